@@ -5,6 +5,7 @@ import subprocess
 import sys
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from attrs import asdict, evolve
 from hypothesis import given
@@ -345,7 +346,9 @@ def test_other_keys_override_the_shipped_oil():
     assert (oil.name, oil.description) == ("sae-30", "as delivered")
     assert (state.eyring_stress, state.shear_modulus, state.conductivity) == (6e6, 0.5e9, 0.14)
     assert state.pressure_viscosity == pytest.approx(1.1 * 12e-9)
-    assert state.pressure_thermoviscosity == 0.0
+    # the slope is that of the shipped oil, with the factor on the coefficient
+    slope = OILS["sae-30"].at(330.0).pressure_thermoviscosity
+    assert state.pressure_thermoviscosity == pytest.approx(1.1 * slope)
     assert oil.minimum_temperature == pytest.approx(293.15)
     assert oil.maximum_temperature == OILS["sae-30"].maximum_temperature
     assert oil.source.startswith(OILS["sae-30"].source)
@@ -532,3 +535,13 @@ def test_oils_need_no_scipy_to_be_described():
         ).returncode
         == 0
     )
+
+
+@pytest.mark.parametrize("name", sorted(OILS))
+def test_no_built_in_oil_thickens_with_heat_where_bearings_run(name):
+    """Up to 2 GPa, and the temperature to which oils of bearings go; or heat would take no part in their friction."""
+    oil = OILS[name]
+    for temperature in np.linspace(max(oil.minimum_temperature, 283.15), 393.15, 7):
+        state = oil.at(float(temperature))
+        _, fall = oil.pressure_viscosity_law.at(state, np.linspace(0.0, 2e9, 50))
+        assert (fall > 0.0).all(), temperature

@@ -151,6 +151,7 @@ def test_roelands_has_no_value_for_an_oil_thinner_than_its_pole(law):
 def test_a_viscosity_that_rises_with_temperature_is_refused_with_what_to_give():
     """Roelands's law with one coefficient at all temperatures, z ln(1 + p/p0) > 1, where heat takes part."""
     oil = {"name": "sae-30", "conductivity": 0.14, "eyring_stress": "5 MPa"}
+    oil |= {"pressure_viscosity": "19 1/GPa", "pressure_thermoviscosity": 0.0}
     hot = {"lubricant": oil, "operation.temperature": "108 degC", "operation.radial_load": "40 kN"}
     scene = evolve(load_scene("1032930-70C"), hot | {"accuracy.slices": 8}, si=True)
     said = r"film_thermoviscosity = -0.0\d+ 1/K .* rise with temperature; give a larger "

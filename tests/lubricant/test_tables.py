@@ -236,8 +236,11 @@ def test_what_fits_together_is_not_noted():
     assert mil_prf_7808.notes(343.15) == []
     assert sae_30.notes(343.15) == []
     assert (
-        read(name="sae-30", pressure_viscosity="17 1/GPa").notes(343.15) == []
-    )  # constant there too
+        read(
+            name="sae-30", pressure_viscosity="17 1/GPa", pressure_thermoviscosity="0 1/(GPa K)"
+        ).notes(343.15)
+        == []
+    )
     tables = {"pressure_viscosity": over("1/GPa", _40="11.77", _100="7.57")}
     assert read(name="mil-prf-7808", **tables).notes(343.15) == []
 

@@ -25,6 +25,13 @@ CATALOGUE = 11
 #: Seed of wide scenes.
 WIDE = 13
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
+#: What was recorded of these scenes was computed with the coefficient of the oil's source, which is constant.
+CONSTANT_ALPHA = {
+    "sae-30": {
+        "lubricant.pressure_viscosity": "19 1/GPa",
+        "lubricant.pressure_thermoviscosity": "0 1/(GPa K)",
+    }
+}
 #: ISO VG grades of the oils in bearings of the catalogue [mm2/s at 40 degC].
 GRADES = (32, 46, 68, 100, 150, 220)
 SERIES = {
@@ -57,6 +64,7 @@ def free(number, *, even=False):
             "operation.temperature": f"{30.0 + 70.0 * u[4]} degC",
             "operation.misalignment": f"{0.0 if even else max(u[6] - 0.5, 0.0)} mrad",
             "lubricant.name": OILS[int(4.0 * u[7])],
+            **CONSTANT_ALPHA.get(OILS[int(4.0 * u[7])], {}),
             "lubricant.conductivity": 0.14,
             "lubricant.eyring_stress": f"{1.0 + 9.0 * u[8]} MPa",
             "lubricant.pressure_viscosity_law": ("barus", "roelands")[int(2.0 * u[9])],

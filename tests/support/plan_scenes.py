@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from scipy.stats import qmc
 
-from loading_branch_scenes import OILS
+from loading_branch_scenes import CONSTANT_ALPHA, OILS
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import reference_resolution
@@ -68,6 +68,7 @@ def scene(x):
             "operation.misalignment": f"{max(x[4] - 0.5, 0.0)} mrad",
             "bearing.profile": pick(PROFILES, x[5]),
             "lubricant.name": pick(OILS, x[6]),
+            **CONSTANT_ALPHA.get(pick(OILS, x[6]), {}),
             "lubricant.conductivity": 0.14,  # that of oils at hand, where an oil gives none
             "lubricant.eyring_stress": f"{1.0 + 9.0 * x[7]} MPa",
             f"study.{STUDY}.closure": pick(CLOSURES, x[8]),

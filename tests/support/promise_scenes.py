@@ -15,6 +15,7 @@ import math
 import attrs
 import numpy as np
 
+from loading_branch_scenes import CONSTANT_ALPHA
 from plan_scenes import Verdict
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -121,7 +122,8 @@ def scene(k, seed=16):
         },
         "accuracy": {"tolerance": 10.0 ** even(-5.0, -2.0), "slices": "auto"},
     }
-    return evolve(BASE, changes, si=True)
+    own = CONSTANT_ALPHA.get(changes["lubricant"]["name"], {})
+    return evolve(BASE, changes | own, si=True)
 
 
 def described(one):

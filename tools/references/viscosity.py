@@ -54,7 +54,9 @@ def eta_sae(T):
 
 
 def alpha_sae(T):
-    return mpf("1.9e-8")
+    return mpf("1.9e-8") * (eta_sae(T) / mpf("0.07166")) ** mpf(
+        "0.139"
+    )  # Gold's exponent of mineral oils
 
 
 # Walther's line on the axes of ASTM D341 through two points, {degC: mm2/s}; density in kg/m3, a line through its values
