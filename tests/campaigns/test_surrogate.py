@@ -344,6 +344,34 @@ def driver(place, tables):
     return driven(place, tables[1])
 
 
+BEYOND = r"""
+int main(void) {
+    static const double loads[] = {2000.0, 1e6, 1e6, 2000.0};
+    bearing *b = malloc(bearing_size());
+    bearing_init(b), bearing_start(b);
+    for (int k = 0; k < 4; k++) {
+        bearing_values(b)[B_RADIAL_LOAD] = loads[k];
+        bearing_step(b, 1e-3), bearing_output(b);
+        printf("%g ", bearing_values(b)[B_INSIDE]);
+    }
+    return 0;
+}
+"""
+
+
+@needs_compiler
+def test_the_file_of_c_warns_once_of_a_load_beyond_the_tables(place, tables, tmp_path):
+    code = exported(place, tables[1], "beyond.c").read_text(encoding="utf-8")
+    (tmp_path / "host.c").write_text(f"#include <stdlib.h>\n{code}{BEYOND}", encoding="utf-8")
+    command = ["cc", "-std=c11", "-O1", "host.c", "-o", "host", "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    done = subprocess.run([tmp_path / "host"], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["1", "0", "0", "1"]
+    assert done.stderr == (
+        "bearing: warning: radial_load is beyond the tables, which are held at their ends\n"
+    )
+
+
 @needs_compiler
 def test_equal_tables_give_equal_files_and_sources_can_be_left_out(place, tables, fmu):
     assert exported(place, tables[1], "again.fmu").read_bytes() == fmu.read_bytes()
@@ -485,6 +513,7 @@ def test_inputs_beyond_the_tables_are_held_and_logged(fmpy, fmu, place):
     unit.set(temperature=350.0, radial_load=2000.0)
     unit.go(1)
     assert unit.said == [1, 0]
+    assert (unit.get("inside"), over.get("inside")) == (1.0, 0.0)
     held = Unit(fmpy, fmu, place, "held", radial_load=2500.0, temperature=363.15)
     assert over.go(50) == pytest.approx(held.go(50), rel=1e-9)
 

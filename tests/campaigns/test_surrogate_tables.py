@@ -307,15 +307,19 @@ def test_files_for_other_programs_hold_the_numbers_of_the_tables():
 
 
 def test_a_row_without_a_balance_has_empty_cells():
-    axes = {"temperature": [350.0], "radial_load": [1e3], "inner_speed": [100.0]}
+    axes = {"temperature": [350.0], "radial_load": [1e3], "inner_speed": [100.0, 9.0]}
     columns = ("steady_cage_slip", "friction_torque", "outer_torque", "power_loss", "drag_reserve")
     values = (math.nan, math.nan, math.nan, math.nan, 0.5)
     made = xr.Dataset(
-        {name: (tuple(axes), np.full((1, 1, 1), value), {"units": "1"})
-         for name, value in zip(columns, values, strict=True)},
-        coords={name: (name, value, {"units": "1"}) for name, value in axes.items()},
+        {name: (tuple(axes), np.full((1, 1, 2), value), {"units": "1"})
+         for name, value in zip(columns, values, strict=True)}
+        | {"inner_radius": RI, "outer_radius": RO, "first_outer_speed": 0.0},
+        coords={name: (name, value, {"units": "1"}) for name, value in axes.items()}
+        | {"rolling_speed": [1.0, 9.0]},
     )  # fmt: skip
-    assert Csv("csv").render(made).text.splitlines()[1] == "350,1000,100,,,,,0.5"
+    written = Csv("csv").render(made)
+    assert written.text.splitlines()[1:] == ["350,1000,100,,,,,0.5,1", "350,1000,9,,,,,0.5,0"]
+    assert "radial_load 1000 to 1000" in written.notes[0]
 
 
 def test_of_two_endings_the_longer_one_says_the_format(monkeypatch):

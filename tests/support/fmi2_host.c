@@ -11,7 +11,7 @@ int main(int n, char **given) {
     fmi2CallbackFunctions call = {logger, calloc, free, NULL, NULL};
     fmi2ValueReference beyond = RADIAL_LOAD, asked = CAGE_SPEED;
     fmi2Real load = atof(given[2]), speed, time = 0.0;
-    fmi2Component unit = fmi2Instantiate("host", fmi2CoSimulation, given[1], "", &call, fmi2False, fmi2True);
+    fmi2Component unit = fmi2Instantiate("host", fmi2CoSimulation, given[1], "", &call, fmi2False, fmi2False);
     if (n < 3 || !unit || fmi2SetupExperiment(unit, fmi2False, 0.0, 0.0, fmi2False, 0.0) != fmi2OK) return 1;
     if (fmi2EnterInitializationMode(unit) != fmi2OK || fmi2SetReal(unit, &beyond, 1, &load) != fmi2OK) return 2;
     if (fmi2ExitInitializationMode(unit) != fmi2OK) return 3;

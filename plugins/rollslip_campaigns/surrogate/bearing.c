@@ -17,6 +17,7 @@ struct bearing {
     double v[B_VALUES];            /* inputs and outputs, by the names of bearing.h */
     double state[2];               /* cage speed, spin of the roller relative to the cage [rad/s] */
     double step;                   /* next step of the integration [s] */
+    int outside;                   /* bits of inputs beyond the tables at the last output */
     double at_T, at_W;             /* temperature and load of what follows */
     int t, l;                      /* first node of temperature and of load */
     double wt[4], ww[4];           /* weights of the four nodes */
@@ -166,7 +167,29 @@ int bearing_step(bearing *b, double span) {
     }
     return 1;
 }
-void bearing_output(bearing *b) { double none[2]; fold(b); rates(b, b->state, none, b->v); }
+const char *bearing_message(int outside) {
+    static const char *const MESSAGES[8] = {
+        "all inputs are within the tables again",
+        "radial_load is beyond the tables, which are held at their ends",
+        "temperature is beyond the tables, which are held at their ends",
+        "radial_load and temperature are beyond the tables, which are held at their ends",
+        "the speeds of the rings are beyond the tables, which are held at their ends",
+        "radial_load and the speeds of the rings are beyond the tables, which are held at their ends",
+        "temperature and the speeds of the rings are beyond the tables, which are held at their ends",
+        "radial_load, temperature and the speeds of the rings are beyond the tables, which are held at their ends",
+    };
+    return MESSAGES[outside & 7];
+}
+void bearing_output(bearing *b) {
+    double none[2];
+    int outside = bearing_outside(b);
+    fold(b), rates(b, b->state, none, b->v);
+    b->v[B_INSIDE] = !outside;
+#ifdef BEARING_WARN
+    if (outside && outside != b->outside) BEARING_WARN(bearing_message(outside));
+#endif
+    b->outside = outside;
+}
 void bearing_init(bearing *b) {
     memset(b, 0, sizeof *b);
     b->v[B_RADIAL_LOAD] = FIRST_LOAD, b->v[B_INNER_SPEED] = FIRST_INNER, b->v[B_OUTER_SPEED] = FIRST_OUTER;

@@ -3,7 +3,7 @@
 #define BEARING_H
 enum {
     B_TIME, B_RADIAL_LOAD, B_INNER_SPEED, B_OUTER_SPEED, B_TEMPERATURE, B_CAGE_SPEED, B_ROLLER_SPEED, B_CAGE_SLIP,
-    B_TORQUE, B_OUTER_TORQUE, B_POWER_LOSS, B_DRAG_RESERVE, B_FIRST_CAGE_SLIP, B_VALUES
+    B_TORQUE, B_OUTER_TORQUE, B_POWER_LOSS, B_DRAG_RESERVE, B_FIRST_CAGE_SLIP, B_INSIDE, B_VALUES
 };
 /* Inputs and outputs, unknowns, and the tables under one load at one temperature: numbers alone, so that a copy of them
  * is a state that can be restored. */
@@ -15,5 +15,6 @@ void bearing_start(bearing *b);                /* cage at first_cage_slip, rolle
 int bearing_step(bearing *b, double span);     /* 0 if no step of time is short enough; inputs are constant */
 void bearing_output(bearing *b);               /* compute the outputs at the inputs that are set */
 int bearing_outside(const bearing *b);         /* bits of inputs beyond the tables: 1 load, 2 temperature, 4 speed */
+const char *bearing_message(int outside);      /* sentence on these bits */
 const char *bearing_guid(void);
 #endif

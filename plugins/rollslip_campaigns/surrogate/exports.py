@@ -28,7 +28,7 @@ import attrs
 import numpy as np
 
 from rollslip.errors import OutputError, SceneError
-from rollslip.results.dataset import xr
+from rollslip.results.dataset import about, xr
 from rollslip.results.table import in_shown_unit
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
@@ -64,6 +64,13 @@ VARIABLES: Final = (
     ("power_loss", "W", "output", "", "sliding, rolling and drags turned into heat"),
     ("drag_reserve", "1", "output", "", "largest torque of the rollers on the cage over its drag"),
     ("first_cage_slip", "1", "parameter", "", "cage slip at the start"),
+    (
+        "inside",
+        "1",
+        "output",
+        "",
+        "1 where load, speeds and temperature are within the tables, 0 beyond",
+    ),
 )
 #: Exponents of the SI base units of each unit.
 _UNITS: Final[Mapping[str, dict[str, str]]] = {
@@ -353,6 +360,15 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
+#: Warning of the file in C; a caller that has a logger defines the macro before.
+_C_WARNING: Final = """#include <math.h>
+#include <stdio.h>
+#ifndef BEARING_WARN
+#define BEARING_WARN(text) fprintf(stderr, "bearing: warning: %s\\n", text)
+#endif
+"""
+
+
 @attrs.frozen
 class C(TablesFormat):
     """One file in C with the tables and the motion, for programs that link it."""
@@ -360,12 +376,15 @@ class C(TablesFormat):
     endings: ClassVar[tuple[str, ...]] = (".c",)
 
     def render(self, result: "xr.Dataset") -> Written:
-        """Return declarations, numbers and code in one file; it begins with bearing.h, which callers copy."""
+        """Return declarations, numbers and code in one file; it begins with bearing.h, which callers copy.
+
+        The first input beyond the tables writes a warning to the standard error stream.
+        """
         parts, _ = sources(result)
         code = parts["bearing.c"]
         for name in ("bearing.h", "bearing_data.h"):
             code = code.replace(f'#include "{name}"\n', parts[name], 1)
-        return Written(code)
+        return Written(code.replace("#include <math.h>\n", _C_WARNING, 1))
 
 
 #: Columns of the CSV file after temperature, load and speed.
@@ -385,18 +404,29 @@ class Csv(TablesFormat):
     endings: ClassVar[tuple[str, ...]] = (".csv",)
 
     def render(self, result: "xr.Dataset") -> Written:
-        """Return the rows in engineering units, with names and units in the first; cells of NaN are empty."""
+        """Return the rows in engineering units, with names and units in the first; cells of NaN are empty.
+
+        The last column says whether the rolling speed is within the tables, and a note where the rows end.
+        """
         axes = ("temperature", "radial_load", "inner_speed")
+        leads = np.abs(result["inner_speed"] - float(result["first_outer_speed"]))
+        rolling = leads / (1.0 / result["inner_radius"] + 1.0 / result["outer_radius"])
+        tables = result["rolling_speed"].to_numpy()
+        inside = (rolling >= tables[0]) & (rolling <= tables[-1])
+        result = result.assign(inside=inside.astype(float).assign_attrs(about("1", "inside")))
         text = io.StringIO()
         rows = csv.writer(text, lineterminator="\n")
         columns = []
-        for grid in xr.broadcast(*(result[name] for name in (*axes, *_COLUMNS))):
+        ends = list[str]()
+        for grid in xr.broadcast(*(result[name] for name in (*axes, *_COLUMNS, "inside"))):
             values = grid.transpose(*axes).to_numpy().ravel().tolist()
             unit, shown = in_shown_unit(str(grid.name), values, grid.attrs["units"])
             cells = ["" if value is None else f"{value:.8g}" for value in shown]
             columns.append([f"{grid.name} [{unit or 1}]", *cells])
+            if grid.name in axes:
+                ends.append(f"{grid.name} {cells[0]} to {cells[-1]} {unit}".rstrip())
         rows.writerows(zip(*columns, strict=True))
-        return Written(text.getvalue())
+        return Written(text.getvalue(), (f"nothing is known beyond the rows: {', '.join(ends)}",))
 
 
 FMU_FORMAT: Final = Fmu("fmu")

@@ -4,7 +4,8 @@
  *   be shipped.
  * - Outputs are those at the end of a step, inputs are held during it.  A state is a copy of numbers, since what belongs
  *   to the instance, its name and its callbacks, is not part of it.
- * - Inputs beyond the tables are held at their ends; the logger is told when one goes there and when all are back. */
+ * - Inputs beyond the tables are held at their ends. The logger gets a warning when one goes there, whether or not the
+ *   host asks for debug logging, and with debug logging a message when all are back. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -65,23 +66,13 @@ typedef struct { const Callbacks *call; char name[128]; int logs, starting, outs
 typedef struct { char guid[GUIDS]; int starting, outside; } Head;   /* of a state; the numbers of the bearing follow */
 static size_t state_size(void) { return sizeof(Head) + bearing_size(); }
 static void log_message(const Unit *unit, Status status, String category, String text) {
-    if (unit->call->logger && (unit->logs || status >= ERROR))
+    if (unit->call->logger && (unit->logs || status >= WARNING))
         unit->call->logger(call_environment(unit->call), unit->name, status, category, "%s", text);
 }
 static Status log_error(const Unit *unit, String why) { log_message(unit, ERROR, "logStatusError", why); return ERROR; }
 static void report_outside(Unit *unit) {
-    static const String MESSAGES[8] = {
-        "all inputs are within the tables again",
-        "radial_load is beyond the tables, which are held at their ends",
-        "temperature is beyond the tables, which are held at their ends",
-        "radial_load and temperature are beyond the tables, which are held at their ends",
-        "the speeds of the rings are beyond the tables, which are held at their ends",
-        "radial_load and the speeds of the rings are beyond the tables, which are held at their ends",
-        "temperature and the speeds of the rings are beyond the tables, which are held at their ends",
-        "radial_load, temperature and the speeds of the rings are beyond the tables, which are held at their ends",
-    };
     int now = bearing_outside(unit->b);
-    if (now != unit->outside) log_message(unit, now ? WARNING : OK, "logStatusWarning", MESSAGES[now]);
+    if (now != unit->outside) log_message(unit, now ? WARNING : OK, "logStatusWarning", bearing_message(now));
     unit->outside = now;
 }
 EXPORT String fmi2GetTypesPlatform(void) { return "default"; }
