@@ -592,6 +592,7 @@ class Torques:
 
     resists = False
     n_positions = 1
+    find_from = Motions.find_from
 
     def __init__(self, torque, *, end=math.inf, fine=None):
         self.torque = torque
@@ -826,6 +827,18 @@ def test_intervals_that_may_exceed_a_maximum_by_a_thousandth_are_bisected(fall, 
     """By twice the parabola through it, whose height over the middle of an interval is an eighth of 2 fall."""
     branch = curve(1.0 - fall, 1.0, 1.0 - fall)
     assert _find_intervals(branch, 0.0) == intervals
+
+
+@pytest.mark.parametrize(("width", "intervals"), [(1.5e-3, []), (3e-3, [0])])
+def test_a_gap_is_bisected_down_to_where_the_torque_behind_it_may_exceed_by_a_thousandth(
+    width, intervals
+):
+    """At half the rate of its excess per step: by 0.75 and 1.5 thousandths."""
+    before, behind = (
+        Motion(slip_from_logit(x), torque, np.zeros(1), 1.0, True, is_continuous=False)
+        for x, torque in ((0.0, 0.0), (width, 1.0))
+    )
+    assert _find_intervals([before, behind], 0.0) == intervals
 
 
 def test_a_maximum_has_nine_samples_on_four_times_the_positions():

@@ -78,6 +78,10 @@ class SearchTolerances:
     #: Factor on the second difference that bounds the torque in an interval. Half the value does not resolve that
     #: step either, twice the value costs 1 % and changes torques by up to 2e-5.
     curvature_factor: float = 2.0
+    #: How fast the torque may fall behind a gap, over its excess and the step of logit(S): bounds the torque there.
+    #: Neither half nor twice the value changes a result of 62 random bearings; chosen, half the rate at which a torque
+    #: in proportion to the slip rises.
+    fall_in_gap: float = 0.5
     #: Relative fall of the torque before it is exceeded from which on a motion is a maximum. Half the value adds a
     #: jump, twice the value drops two; chosen, twice `equal_drag`, because smaller falls are within the errors.
     min_fall: float = 2e-3
@@ -242,8 +246,8 @@ class LoadingBranch:
         for k, motion in enumerate(self.motions):
             low, high = excesses[k : k + 2]
             if (low < 0.0) != (high < 0.0) and (k == 0 or motion.is_continuous):
-                known = self.motions[max(k - 1, 0) : k + 1]
-                steady.append(self._balance(known, drag, (slips[k], slips[k + 1]), (low, high)))
+                starts = self.motions[max(k - 1, 0) : k + 1]
+                steady.append(self._balance(starts, drag, (slips[k], slips[k + 1]), (low, high)))
         return steady
 
     def interpolate(self, slips: Sequence[float]) -> list[Motion]:
@@ -275,42 +279,39 @@ class LoadingBranch:
 
     def _balance(
         self,
-        known: list[Motion],
+        start_candidates: list[Motion],
         drag: Callable[[float], float],
         interval: tuple[float, float],
         excesses: tuple[float, float],
     ) -> SteadyMotion:
         """The steady motion in an interval of slips, on all slices, from the excess torques at its ends."""
-        excess = _ExcessTorque(self._search.full_motions, drag, known)
+        excess = _ExcessTorque(self._search.full_motions, drag, start_candidates)
         low, high = interval
         slip = illinois_root(excess, low, high, *excesses, relative=SEARCH.steady_slip)
+        motion = excess.motion
         distance = min(abs(slip - low), abs(high - slip))
         if distance <= SEARCH.imbalance * abs(slip) and not excess.is_balanced:
-            # few loads of a roller give a sign at that end which all slices do not give: the root is outside
+            # few loads of a roller give a sign at that end which all slices do not give: the root may be outside
             first, last = sorted((slip / SEARCH.outside_factor, slip * SEARCH.outside_factor))
             slope = (excesses[1] - excesses[0]) / (high - low)
             tolerance = SEARCH.steady_slip * abs(slip)
-            within = first, last
-            if secant_root(excess, slip, slope, tolerance=tolerance, within=within) is None:
-                excess(slip)
-        motion = excess.motion
-        return SteadyMotion(motion.slip, -drag(motion.slip), motion, excess.slope)
+            if secant_root(excess, slip, slope, tolerance=tolerance, within=(first, last)):
+                motion = excess.motion
+        return SteadyMotion(motion.slip, -drag(motion.slip), motion, partial(excess.slope, motion))
 
 
+@attrs.define
 class _ExcessTorque:
     """Torque of the rollers, on all slices, in excess of the drag on the cage [N m], as a function of the slip."""
 
-    def __init__(
-        self, motions: Motions, drag: Callable[[float], float], known: list[Motion]
-    ) -> None:
-        self.motions = motions
-        self.drag = drag
-        self.known = known  # from the nearest of which rollers are marched
-        self.motion = known[0]  # at the last slip
+    motions: Motions
+    drag: Callable[[float], float]
+    start_candidates: list[Motion]  # rollers are marched from the one at the nearest slip
+    motion: Motion = attrs.field(init=False)  # at the last slip that was evaluated
 
     def __call__(self, slip: float) -> float:
-        nearest = min(self.known, key=lambda motion: abs(motion.slip - slip))
-        self.motion = self.motions.find(np.array([slip]), nearest.normalised_slip[:1])[0][0]
+        nearest = min(self.start_candidates, key=lambda motion: abs(motion.slip - slip))
+        (self.motion,) = self.motions.find_from([slip], nearest)
         excess = self.motion.torque + self.drag(slip)
         is_rounding = abs(excess) <= SEARCH.steady_slip * abs(self.motion.torque)
         return 0.0 if is_rounding else excess
@@ -321,12 +322,11 @@ class _ExcessTorque:
         torque = self.motion.torque
         return not abs(torque + self.drag(self.motion.slip)) > SEARCH.imbalance * abs(torque)
 
-    def slope(self) -> float:
-        """Derivative with respect to the slip at the last slip [N m], by the central difference."""
+    def slope(self, motion: Motion) -> float:
+        """Derivative with respect to the slip at that of a motion [N m], by the central difference."""
         step = SEARCH.slope_step
-        slips = self.motion.slip * np.array([1.0 - step, 1.0 + step])
-        found = self.motions.find(slips, np.full(2, self.motion.normalised_slip[0]))
-        left, right = (motions[0] for motions in found)
+        slips = motion.slip * np.array([1.0 - step, 1.0 + step])
+        left, right = self.motions.find_from(slips, motion)
         rise = right.torque + self.drag(right.slip) - left.torque - self.drag(left.slip)
         return rise / (right.slip - left.slip)
 
@@ -368,7 +368,7 @@ class _Search:
             pair = candidates[k]
             if previous.converged and not any(motion.converged for motion in pair):
                 # neither march from a ring converges, that from the previous motion may
-                pair = motions.find(np.array(slips[k : k + 1]), previous.normalised_slip[:1])[0]
+                pair = motions.find_from(slips[k : k + 1], previous)
             nearest = min(
                 pair,
                 key=lambda motion: motions.distance(
@@ -403,8 +403,8 @@ class _Search:
 
     def refine(self, branch: list[Motion]) -> list[Motion]:
         """Bisect the intervals which may contain a larger torque than all below (step 5)."""
-        lowest = min(0.0, branch[0].torque)
-        while intervals := _find_intervals(branch, lowest):
+        resisting_torque = min(0.0, branch[0].torque)
+        while intervals := _find_intervals(branch, resisting_torque):
             logits = [0.5 * (branch[k].logit_slip + branch[k + 1].logit_slip) for k in intervals]
             middle = np.array([slip_from_logit(x) for x in logits])
             found = self.motions.find(
@@ -424,40 +424,50 @@ class _Search:
 
     def find_jump(self, branch: list[Motion], k: int) -> Jump | None:
         """The jump from the maximum at motion k (steps 7 to 9); None if finer positions have no such maximum."""
-        is_smooth = _is_continuous_on_both_sides(branch, k)
-        if is_smooth:
-            coarse = self._find_vertex(self.motions, branch[k - 1 : k + 2])
-        else:
-            error = _estimate_rise_in_gap(branch, k) / branch[k].torque
-            coarse = _Maximum(branch[k].logit_slip, branch[k].torque, error)
+        coarse = self._find_coarse_maximum(branch, k)
         larger = (j for j in range(k + 1, len(branch)) if branch[j].torque > coarse.torque)
         after = next(larger, len(branch))
         slip_after = math.nan
         if after < len(branch):
             slip_after = self._find_regain(branch[after - 1], branch[after], coarse.torque)
-        lowest = min(branch[k + 1 : after], key=lambda motion: motion.torque)
-        around = branch[:after], k, coarse
-        if is_smooth:
-            slips = _slips_within(*around, coarse.logit, SEARCH.equal_drag)
-            low, high = (logit_slip(slip) for slip in slips)
-            half_width = 0.5 * (high - low)
-            fine = self._find_fine_vertex(branch[k], coarse.logit, half_width, lowest.logit_slip)
-        else:
-            fine = self._find_fine_end(branch[k])
-        maximum = attrs.evolve(coarse, error=math.inf)
-        if fine is not None:
-            change = abs(fine.torque / coarse.torque - 1.0)
-            error = max(coarse.error, branch[k].error, fine.error)
-            maximum = attrs.evolve(fine, error=error + change)
-        if self._vanishes_on_finer_positions(maximum, lowest):
+        trough = min(branch[k + 1 : after], key=lambda motion: motion.torque)
+        maximum = self._find_fine_maximum(branch[:after], k, coarse, trough.logit_slip)
+        if self._vanishes_on_finer_positions(maximum, trough):
             return None
         return Jump(
             slip=slip_from_logit(maximum.logit),
             drag=maximum.torque,
             slip_after=slip_after,
             error=maximum.error,
-            slips_within=partial(_slips_within, *around, maximum.logit),
+            slips_within=partial(_slips_within, branch[:after], k, coarse, maximum.logit),
         )
+
+    def _find_coarse_maximum(self, branch: list[Motion], k: int) -> _Maximum:
+        """The maximum at motion k on the positions of the search: a vertex, or the last motion before a gap."""
+        if _is_continuous_on_both_sides(branch, k):
+            return self._find_vertex(self.motions, branch[k - 1 : k + 2])
+        error = _estimate_rise_in_gap(branch, k) / branch[k].torque
+        return _Maximum(branch[k].logit_slip, branch[k].torque, error)
+
+    def _find_fine_maximum(
+        self, branch: list[Motion], k: int, coarse: _Maximum, end: float
+    ) -> _Maximum:
+        """The maximum at motion k on finer positions, with its error; the coarse one where marches do not converge.
+
+        A smooth one is looked for up to the logit ``end``, from samples between which the coarse torque is nearly the
+        maximum. The error of the coarse one without a finer one is unknown, infinity.
+        """
+        if _is_continuous_on_both_sides(branch, k):
+            slips = _slips_within(branch, k, coarse, coarse.logit, SEARCH.equal_drag)
+            low, high = (logit_slip(slip) for slip in slips)
+            fine = self._find_fine_vertex(branch[k], coarse.logit, 0.5 * (high - low), end)
+        else:
+            fine = self._find_fine_end(branch[k])
+        if fine is None:
+            return attrs.evolve(coarse, error=math.inf)
+        change = abs(fine.torque / coarse.torque - 1.0)
+        error = max(coarse.error, branch[k].error, fine.error)
+        return attrs.evolve(fine, error=error + change)
 
     def _find_regain(self, below: Motion, above: Motion, drag: float) -> float:
         """The slip between two motions of the branch at which a drag is carried again."""
@@ -465,8 +475,8 @@ class _Search:
             return slip_from_logit(above.logit_slip)
 
         def excess(logit: float) -> float:
-            found = self.motions.find(np.array([slip_from_logit(logit)]), below.normalised_slip[:1])
-            return found[0][0].torque - drag
+            (motion,) = self.motions.find_from([slip_from_logit(logit)], below)
+            return motion.torque - drag
 
         logit = illinois_root(
             excess,
@@ -480,25 +490,23 @@ class _Search:
 
     def _find_vertex(self, motions: Motions, samples: list[Motion]) -> _Maximum:
         """The maximum between samples, by vertices of interpolating polynomials."""
-        known = {motion.logit_slip: motion for motion in samples}
+        by_logit = {motion.logit_slip: motion for motion in samples}
         error = math.inf
-        while len(known) < SEARCH.vertex_samples and error > SEARCH.vertex:
-            logits = sorted(known)
-            logit, height = polynomial_maximum(logits, [known[x].torque for x in logits])
-            if logit in known:  # a kink, or the largest sample is at an end
+        while len(by_logit) < SEARCH.vertex_samples and error > SEARCH.vertex:
+            logits = sorted(by_logit)
+            logit, height = polynomial_maximum(logits, [by_logit[x].torque for x in logits])
+            if logit in by_logit:  # a kink, or the largest sample is at an end
                 break
-            nearest = min(known.values(), key=lambda motion: abs(motion.logit_slip - logit))
-            motion = motions.find(np.array([slip_from_logit(logit)]), nearest.normalised_slip[:1])[
-                0
-            ][0]
+            nearest = min(by_logit.values(), key=lambda motion: abs(motion.logit_slip - logit))
+            (motion,) = motions.find_from([slip_from_logit(logit)], nearest)
             if not motion.converged:
                 break
-            known[logit] = motion
+            by_logit[logit] = motion
             error = abs(motion.torque / height - 1.0)
-        logits = sorted(known)
-        best = max(known.values(), key=lambda motion: motion.torque)
-        rise = _estimate_excess_over_samples(logits, [known[x].torque for x in logits])
-        return _Maximum(best.logit_slip, best.torque, min(error, rise))
+        logits = sorted(by_logit)
+        best = max(by_logit.values(), key=lambda motion: motion.torque)
+        excess = _estimate_excess_over_samples(logits, [by_logit[x].torque for x in logits])
+        return _Maximum(best.logit_slip, best.torque, min(error, excess))
 
     # The same on more positions ---------------------------------------------------------------------------------------
 
@@ -507,37 +515,32 @@ class _Search:
         n_positions = SEARCH.position_factor * self.motions.n_positions
         return self.full_motions.with_resolution(n_positions, SEARCH.n_loads)
 
-    def _find_fine_motion(self, motion: Motion) -> Motion:
-        """A motion on four times as many positions."""
-        return self._fine_motions.find(np.array([motion.slip]), motion.normalised_slip[:1])[0][0]
-
     def _find_fine_vertex(
         self, start: Motion, logit: float, half_width: float, end: float
     ) -> _Maximum | None:
-        """A smooth maximum on four times as many positions, up to ``end``; None if marches do not converge there."""
-        half_width = min(half_width, SEARCH.max_half_width)
-        known = dict[float, Motion]()
-        logits = [logit - half_width, logit, min(logit + half_width, end)]
+        """A smooth maximum on four times as many positions, up to ``end``; None if marches do not converge there.
+
+        The first three samples are around the coarse maximum. While the largest one is at an end of all, there is one
+        more beyond that end, each time twice as far.
+        """
+        distance = min(half_width, SEARCH.max_half_width)
+        samples = dict[float, Motion]()
+        logits = [logit - distance, logit, min(logit + distance, end)]
         for _ in range(1 + SEARCH.max_extensions):
-            slips = np.array([slip_from_logit(x) for x in logits])
-            found = self._fine_motions.find(slips, np.full(slips.size, start.normalised_slip[0]))
-            for x, (motion, *_) in zip(logits, found, strict=True):
-                if motion.converged:
-                    known[x] = motion
-            if len(known) < 2 or max(motion.torque for motion in known.values()) == 0.0:
+            found = self._fine_motions.find_from([slip_from_logit(x) for x in logits], start)
+            samples |= {
+                x: motion for x, motion in zip(logits, found, strict=True) if motion.converged
+            }
+            if len(samples) < 2 or max(motion.torque for motion in samples.values()) == 0.0:
                 return None
-            first, *_, last = sorted(known)
-            half_width = 2.0 * half_width
-            top = max(sorted(known), key=lambda x: known[x].torque)
-            if first < top < last or top == end:
-                break
-            beyond = min(top + half_width, end)
-            if top == first:
-                beyond = first - half_width
-            if beyond in known:
+            distance *= 2.0
+            first, *_, last = sorted(samples)
+            top = max(sorted(samples), key=lambda x: samples[x].torque)
+            beyond = first - distance if top == first else min(last + distance, end)
+            if first < top < last or top == end or beyond in samples:
                 break
             logits = [beyond]
-        return self._find_vertex(self._fine_motions, list(known.values()))
+        return self._find_vertex(self._fine_motions, list(samples.values()))
 
     def _find_fine_end(self, motion: Motion) -> _Maximum | None:
         """The end of a motion on four times as many positions; None if the torque is not largest inside the range."""
@@ -547,9 +550,8 @@ class _Search:
         maximum: _Maximum | None = None
         for _ in range(SEARCH.end_passes):
             logits = np.linspace(low, high, n).tolist()
-            slips = np.array([slip_from_logit(x) for x in logits])
-            found = self._fine_motions.find(slips, np.full(n, motion.normalised_slip[0]))
-            torques = [fine.torque if fine.converged else -math.inf for fine, *_ in found]
+            found = self._fine_motions.find_from([slip_from_logit(x) for x in logits], motion)
+            torques = [fine.torque if fine.converged else -math.inf for fine in found]
             top = int(np.argmax(torques))
             if not 0 < top < n - 1 or torques[top] == 0.0:
                 break
@@ -559,16 +561,17 @@ class _Search:
             maximum = _Maximum(logits[top], torques[top], error)
         return maximum
 
-    def _vanishes_on_finer_positions(self, maximum: _Maximum, lowest: Motion) -> bool:
-        """Whether the torque falls behind a maximum because of the positions alone, which only finer ones tell.
+    def _vanishes_on_finer_positions(self, maximum: _Maximum, trough: Motion) -> bool:
+        """Whether the torque does not fall behind a maximum on finer positions as it does on coarse ones.
 
-        They make it fall by little, or by more where the finer torque rises up to the lowest motion itself.
+        That is computed at the motion with the smallest torque behind the maximum, the trough, where it may be so: the
+        fall is small, or the finer torque rises up to the trough.
         """
-        is_shallow = lowest.torque > (1.0 - SEARCH.shallow_fall) * maximum.torque
-        is_at_end = maximum.logit > lowest.logit_slip - SEARCH.gap_width
+        is_shallow = trough.torque > (1.0 - SEARCH.shallow_fall) * maximum.torque
+        is_at_end = maximum.logit > trough.logit_slip - SEARCH.gap_width
         if not (is_shallow or is_at_end):
             return False
-        fine = self._find_fine_motion(lowest)
+        (fine,) = self._fine_motions.find_from([trough.slip], trough)
         return fine.converged and fine.torque >= (1.0 - SEARCH.min_fall) * maximum.torque
 
     def estimate_error(self, motion: Motion) -> float:
@@ -577,7 +580,7 @@ class _Search:
         The finer torque may still differ by that change from the exact one, as is stated of a jump (step 8). Of a jump
         the finer torque itself is stated, here the coarse one, which differs from that by the change once more.
         """
-        fine = self._find_fine_motion(motion)
+        (fine,) = self._fine_motions.find_from([motion.slip], motion)
         if not fine.converged:
             return math.inf
         change = abs(fine.torque / motion.torque - 1.0) if motion.torque else 0.0
@@ -592,8 +595,8 @@ def _is_continuous_on_both_sides(branch: list[Motion], k: int) -> bool:
     return 0 < k < len(branch) - 1 and branch[k].is_continuous and branch[k + 1].is_continuous
 
 
-def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
-    """The first motions of the intervals to bisect; ``lowest`` is the torque that resists at no slip [N m]."""
+def _find_intervals(branch: list[Motion], resisting_torque: float) -> list[int]:
+    """The first motions of the intervals to bisect, with the torque that resists without slip [N m], at most zero."""
     torques = np.array([motion.torque for motion in branch])
     running_maxima = np.maximum.accumulate(torques)
     next_maxima = np.append(running_maxima[1:], running_maxima[-1])
@@ -602,7 +605,7 @@ def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
     for k, (a, b) in enumerate(itertools.pairwise(branch)):
         bound = 0.0
         if not b.is_continuous:
-            bound = _bound_in_gap(a, b, lowest)
+            bound = _bound_in_gap(a, b, resisting_torque)
         elif is_maximum[k : k + 2].any():
             bound = _bound_at_maximum(branch, k)
         exceeded = (1.0 + SEARCH.equal_drag) * running_maxima[k + 1]
@@ -611,14 +614,17 @@ def _find_intervals(branch: list[Motion], lowest: float) -> list[int]:
     return intervals
 
 
-def _bound_in_gap(a: Motion, b: Motion, lowest: float) -> float:
+def _bound_in_gap(a: Motion, b: Motion, resisting_torque: float) -> float:
     """Upper bound of the torque between two motions of which the second does not continue the first [N m].
 
-    Along a motion, the torque in excess of the lowest one grows at most in proportion to the slip.
+    The gap may be anywhere between both. Up to it the first motion goes on: its torque, in excess of that which resists
+    without slip, grows at most in proportion to the slip, so by less than exp(width). Behind it is the second motion,
+    whose excess falls at most at the rate `fall_in_gap`.
     """
     width = b.logit_slip - a.logit_slip
-    bound = a.torque + (a.torque - lowest) * math.expm1(width)
-    return max(bound, b.torque + (b.torque - lowest) * 0.5 * width)
+    before = a.torque + (a.torque - resisting_torque) * math.expm1(width)
+    behind = b.torque + (b.torque - resisting_torque) * SEARCH.fall_in_gap * width
+    return max(before, behind)
 
 
 def _bound_at_maximum(branch: list[Motion], k: int) -> float:
@@ -646,8 +652,8 @@ def _find_maxima(branch: list[Motion]) -> list[int]:
     torques = [motion.torque for motion in branch]
     while k < len(branch):
         after = next((j for j in range(k + 1, len(branch)) if torques[j] > torques[k]), len(branch))
-        lowest = min(torques[k + 1 : after], default=math.inf)
-        if torques[k] > 0.0 and lowest < (1.0 - SEARCH.min_fall) * torques[k]:
+        smallest_behind = min(torques[k + 1 : after], default=math.inf)
+        if torques[k] > 0.0 and smallest_behind < (1.0 - SEARCH.min_fall) * torques[k]:
             maxima.append(k)
         k = after
     return maxima
@@ -658,26 +664,30 @@ def _slips_within(
 ) -> list[float]:
     """The two slips between which the torque is within a fraction of the maximum near motion k.
 
-    They are shifted by as much as the logit of the maximum is corrected. The interpolation is linear in the square
-    root of the torque's decrease, which is exact on a parabola.
+    They are shifted by as much as the logit of the maximum is corrected.
     """
-    level = math.sqrt(fraction)
-    slips = list[float]()
-    for step in (-1, 1):
-        end = maximum.logit
-        root = 0.0
-        j = k if (branch[k].logit_slip - maximum.logit) * step > 0.0 else k + step
-        while 0 <= j < len(branch):
-            next_root = math.sqrt(max(1.0 - branch[j].torque / maximum.torque, 0.0))
-            if next_root > level:
-                if j == k or branch[max(j, j - step)].is_continuous:
-                    end += (level - root) / (next_root - root) * (branch[j].logit_slip - end)
-                break
-            end = branch[j].logit_slip
-            root = next_root
-            j = j + step
-        slips.append(slip_from_logit(end + logit - maximum.logit))
-    return slips
+    ends = [_find_fall(branch, k, maximum, math.sqrt(fraction), step) for step in (-1, 1)]
+    return [slip_from_logit(end + logit - maximum.logit) for end in ends]
+
+
+def _find_fall(branch: list[Motion], k: int, maximum: _Maximum, level: float, step: int) -> float:
+    """The logit of slip, before (step -1) or behind (1) a maximum, to which the torque has fallen to a level.
+
+    The level is the square root of the relative fall. That root is interpolated linearly, which is exact on a parabola;
+    at a gap the last motion before it is taken, and at an end of the branch the last one.
+    """
+    logit = maximum.logit
+    root = 0.0
+    first = k if (branch[k].logit_slip - maximum.logit) * step > 0.0 else k + step
+    for j in range(first, len(branch) if step > 0 else -1, step):
+        next_root = math.sqrt(max(1.0 - branch[j].torque / maximum.torque, 0.0))
+        if next_root > level:
+            if j == k or branch[max(j, j - step)].is_continuous:
+                logit += (level - root) / (next_root - root) * (branch[j].logit_slip - logit)
+            break
+        logit = branch[j].logit_slip
+        root = next_root
+    return logit
 
 
 def _estimate_rise_in_gap(branch: list[Motion], k: int) -> float:

@@ -628,6 +628,11 @@ class Motions:
                 out[row].append(motion)
         return out
 
+    def find_from(self, slips: Sequence[float] | Array, start: Motion) -> list[Motion]:
+        """Return the motions at cage slips (n,) that rollers reach from another motion."""
+        starts = np.full(len(slips), start.normalised_slip[0])
+        return [motions[0] for motions in self.find(np.asarray(slips), starts)]
+
     def _find_ambiguous(self, march: _March, scale: Array) -> list[int]:
         """The slips at which marches from both rings reach motions that differ, or may do so."""
         ambiguous = []

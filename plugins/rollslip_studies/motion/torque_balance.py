@@ -259,7 +259,7 @@ class TorqueBalance:
         for slip, candidates in zip(slips.tolist(), motions.find(slips), strict=True):
             if not _is_unique(candidates):
                 below = found[-1:] or [self.loading_branch(max(RANGE, slip)).motion_below(slip)]
-                candidates = motions.find(np.array([slip]), below[0].normalised_slip[:1])[0]
+                candidates = motions.find_from([slip], below[0])
             found.append(candidates[0])
         return found
 
