@@ -163,7 +163,8 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
         then(free, off, {"friction": 0.1}).resolution.n_positions == 40
     )  # jumps fall with the first order
     assert then(free, off, {"friction": 0.1}, refinement_reason="once").resolution.n_positions == 40
-    orbit = JUMPS.bearing.rollers * epicyclic.choices[STUDY].resolution.slices * 40
+    assert (epicyclic.assembly.slices, epicyclic.choices[STUDY].resolution.slices) == (1, 101)
+    orbit = JUMPS.bearing.rollers * 40  # of one slice, since the load is uniform along a roller
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
             patched.setattr("rollslip.studies.error_estimate._MAX_SLICES", most)

@@ -41,18 +41,12 @@ def plan():
     )
 
 
-@pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
-def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p, monkeypatch):
-    """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
-    monkeypatch.setattr(
-        _ReferenceComparison,
-        "solution",
-        lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)),
-    )
-    study = SimpleNamespace(uses_continuation=False, compared_as_values=())
-    bearing = SimpleNamespace(resolution=Resolution(n_positions=4))
-    orders = {}
-    run = _ReferenceComparison(
+def comparison(resolution, **parts):
+    """A comparison of a run with reference solutions, without its bearing."""
+    bearing = SimpleNamespace(resolution=resolution)
+    bearing.at = lambda other: SimpleNamespace(resolution=other)
+    study = SimpleNamespace(uses_continuation=False, compared_as_values=(), **parts)
+    return _ReferenceComparison(
         study=study,
         curve_study=study,
         assembly=bearing,
@@ -61,13 +55,52 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
         accuracy=SCENE.accuracy,
         complete_parts={},
     )
-    errors = run.position_errors(bearing, orders)
+
+
+@pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
+def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p, monkeypatch):
+    """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
+    monkeypatch.setattr(
+        _ReferenceComparison,
+        "solution",
+        lambda _, at, m, **__: (np.array([[1.0 + m**-p]]), np.zeros(0)),
+    )
+    orders = {}
+    run = comparison(Resolution(n_positions=4))
+    errors = run.position_errors(run.assembly, orders)
     order = math.log((2**-p - 9**-p) / (4**-p - 9**-p)) / math.log(2.0)
     assert orders["friction"] == pytest.approx(order)
     change = (4**-p - 9**-p) / (1.0 + 9**-p)
     assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(order, 2.0)))
     assert observed_order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
     assert (4**-p - 9**-p) / richardson_factor(4, 9, p) == pytest.approx(4**-p)
+
+
+def test_a_run_on_one_position_has_no_coarser_one(monkeypatch):
+    """Three positions are its reference; half of one position is no other run, and the order is assumed."""
+    numbers = []
+
+    def solution(_, at, n_positions, **options):
+        numbers.append(n_positions)
+        return np.array([[1.0 + 1.0 / n_positions]]), np.zeros(0)
+
+    monkeypatch.setattr(_ReferenceComparison, "solution", solution)
+    run = comparison(Resolution(n_positions=1))
+    orders = {}
+    errors = run.position_errors(run.assembly, orders)
+    assert sorted(numbers) == [1, 3]
+    assert orders == {"friction": 1.0}
+    assert errors["friction"] == pytest.approx((2.0 / (4.0 / 3.0) - 1.0) / (1.0 - 1.0 / 3.0))
+
+
+def test_the_error_of_what_was_left_out_is_its_whole_change():
+    """Twice as many slices show 1 - 2^-1.5 of their error, and a model that is reinstated all of it."""
+    resolution = Resolution(slices=20, n_positions=3, light_contacts=False)
+    run = comparison(resolution, value_errors=lambda finer, dataset: {"cage slip": 1e-3})
+    with_models = attrs.evolve(resolution, light_contacts=True)
+    assert run._refined_errors(with_models, {}, False) == {"cage slip": 1e-3}
+    (error,) = run._refined_errors(attrs.evolve(with_models, slices=40), {}, False).values()
+    assert error == pytest.approx(1e-3 / (1.0 - 2.0**-1.5))
 
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 1.5, 2.0])

@@ -133,6 +133,10 @@ _REFINED_FRACTION: Final = 0.35
 
 # Reference solutions; `bounds` has how much finer they are -----------------------------------------------------------
 
+#: Roller positions, at most, on which the error of slices is estimated where it exceeds its tolerance on
+#: `COARSE_POSITIONS`. Doubled, the comparison of runs with many positions takes twice as long. Chosen: as many as the
+#: most of `_POSITION_LADDER`.
+_MAX_SLICE_ERROR_POSITIONS: Final = 12
 #: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
 #: and show a maximum between the slips more exactly.
 _SAMPLED_SLIPS: Final = 25
@@ -762,7 +766,8 @@ class _ReferenceComparison:
         errors = {name: change / position_fraction(m, lowest) for name, change in changes.items()}
         if not exceeding(errors, self.accuracy, _CLEAR_FRACTION):
             return errors
-        coarser = self.errors_of(self.solution(at, half), reference)
+        # a single position has no half, and its order is assumed
+        coarser = self.errors_of(self.solution(at, half), reference) if half < m else {}
         orders |= {
             name: observed_order(half, m, coarser.get(name, 0.0), change)
             for name, change in changes.items()
@@ -775,7 +780,8 @@ class _ReferenceComparison:
     def estimate_parts(self) -> ErrorEstimate:
         """Return the errors of slices on coarse positions, and of positions on coarse slices.
 
-        Where they exceed the tolerance, they are estimated again with the positions and slices of the run.
+        Where they exceed the tolerance, they are estimated again with the positions and slices of the run, those of
+        slices on `_MAX_SLICE_ERROR_POSITIONS` at most.
         """
         errors = dict[str, Errors]()
         orders = dict[str, float]()
@@ -794,14 +800,16 @@ class _ReferenceComparison:
         ):
             errors["n_positions"] = self.position_errors(self.assembly, orders)
         if "slices" in errors and m > COARSE_POSITIONS and exceeding(estimate.total, self.accuracy):
-            errors["slices"] = self.slice_errors(min(m, COARSE_SLICES))
+            errors["slices"] = self.slice_errors(min(m, _MAX_SLICE_ERROR_POSITIONS))
         return estimate
 
     def with_joint_errors(self, estimate: ErrorEstimate) -> ErrorEstimate:
         """Return an estimate with the errors by refining slices and positions together, and each alone.
 
         Where both runs agree, a second reference follows for single values. Each part alone is refined where both
-        together exceed the tolerance.
+        together exceed the tolerance. An observed order of the positions counts for joint errors and for those of
+        slices, too, if it is below `JOINT_ORDER`: it makes them larger. Joint errors contain those of what was left
+        out, as if these fell with that order.
         """
         resolution = self.assembly.resolution
         orders = {
@@ -814,7 +822,7 @@ class _ReferenceComparison:
             and not self.curve_study.uses_continuation
         )
         first, second = joint_references(
-            resolution.slices, resolution.n_positions or 1, resolution.quadrature
+            self.assembly.slices, resolution.n_positions or 1, resolution.quadrature
         )
         more_slices = attrs.evolve(resolution, slices=first[0], quadrature="gauss")
         both = attrs.evolve(more_slices, n_positions=first[1], **self.complete_parts)
@@ -844,12 +852,17 @@ class _ReferenceComparison:
     def _refined_errors(
         self, finer: Resolution, orders: Mapping[str, float], has_curves: bool
     ) -> dict[str, float]:
-        """Return the errors of single values, and of curves at the slips of the probe, against a finer resolution."""
+        """Return the errors of single values, and of curves at the slips of the probe, against a finer resolution.
+
+        A reference with the same numbers, and with all models, shows the error of what was left out as a whole.
+        """
         at = self.assembly.at(finer)
         changes = dict(self.study.value_errors(at, self.dataset))
         if has_curves:
             fine = self.probe.sample(at, finer.n_positions or 1)[0]
             changes = {**self.errors_of(self.own_sample, fine), **changes}
+        if resolution_numbers(finer) == resolution_numbers(self.assembly.resolution):
+            return changes
         return {
             name: change / richardson_factor(1, JOINT_FACTOR, orders.get(name, JOINT_ORDER))
             for name, change in changes.items()
@@ -979,10 +992,9 @@ def refine_resolution(
                 name: size * (numbers[part] / refined[part]) ** orders[name]
                 for name, size in errors.items()
             }
-    if (
-        refined == numbers
-        or assembly.scene.bearing.rollers * math.prod(refined.values()) > _MAX_SLICES
-    ):
+    slices = refined["slices"] if assembly.slices > 1 else 1
+    size = assembly.scene.bearing.rollers * refined["n_positions"] * slices
+    if refined == numbers or size > _MAX_SLICES:
         return None
     first = " and ".join(f"{numbers[part]} {_NUMBER_NAMES[part]}" for part in error.errors)
     return attrs.evolve(
