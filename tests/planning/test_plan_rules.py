@@ -287,7 +287,7 @@ def test_a_critical_slip_that_only_one_of_both_results_has_is_a_broken_word():
     result["critical_cage_slip"][:] = np.nan
     (said, *_) = json.loads(verify(made, STUDY, result).attrs["warnings"])
     assert said.startswith(
-        "critical slip has a value either here or in the finest result, but not in both"
+        "critical slip has a value either here or in the finer result, but not in both"
     )
 
 

@@ -274,12 +274,13 @@ def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
                                 "estimated": plan.choices["effective-friction"].total["friction"]}  # fmt: skip
 
 
-def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monkeypatch):
+@pytest.mark.parametrize("method", ["against the finest", "against four times as fine"])
+def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(method, plan, monkeypatch):
     class Fine:
         outputs = MappingProxyType({})
         controlled_outputs = MappingProxyType({})
         without_outputs = with_resolution = lambda self, _: self
-        run = verification_resolution = lambda self, *_: (None, "against the finest")
+        run = verification_resolution = lambda self, *_: (None, method)
 
     found = {"friction": 2e-3, "critical_slip": math.inf}
     monkeypatch.setattr(verification, "errors_between", lambda *_: found)
@@ -290,11 +291,11 @@ def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(plan, monke
     )
     result = SimpleNamespace(attrs={"warnings": "[]"}, assign_attrs=lambda **given: given)
     one, other = json.loads(verification.verify(fake, "x", result)["warnings"])
-    assert one.startswith(
-        "friction is off by 2.0e-03 of the finest result, more than the tolerance of 0.001"
-    )
+    fake.scene = evolve(plan.scene, {"accuracy.tolerance": "exact"})
+    assert json.loads(verification.verify(fake, "x", result)["warnings"]) == [other]
+    assert one.startswith(f"friction is off by 2.0e-03 {method}, more than the tolerance of 0.001")
     assert other.startswith(
-        "critical slip has a value either here or in the finest result, but not in both"
+        "critical slip has a value either here or in the finer result, but not in both"
     )
 
 

@@ -153,13 +153,13 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     errors = errors_between(running.controlled_outputs, dataset, fine)
     rows = accuracy_rows(plan, study, errors, method)
     exceeded = [
-        f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} of the finest result, more than the "
-        f"tolerance of {row['tolerance']:g}; run with a smaller accuracy.{row['result']}"
+        f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} {method}, more than the tolerance of "
+        f"{row['tolerance']:g}; run with a smaller accuracy.{row['result']}"
         for row in rows
-        if row["found"] is not None and row["found"] > row["tolerance"]
+        if row["found"] is not None and row["found"] > row["tolerance"] > EXACT
     ]
     exceeded += [
-        f"{result.replace('_', ' ')} has a value either here or in the finest result, but not in both; run with a "
+        f"{result.replace('_', ' ')} has a value either here or in the finer result, but not in both; run with a "
         f"smaller accuracy.{result}"
         for result, error in errors.items()
         if error == math.inf
