@@ -252,7 +252,8 @@ def secant_root(
     Returns
     -------
     (float, float) or None
-        None if the search leaves the range or does not converge in twelve steps.
+        The root, and the slope of the last secant: the one passed in where the first step is within the tolerance. None
+        if the search leaves the range or does not converge in twelve steps.
     """
     root = start
     value = curve(start)

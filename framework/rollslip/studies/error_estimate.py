@@ -113,8 +113,9 @@ _LEVEL_ROUNDING: Final = 1e-9
 #: Of slices and roller positions together before a run. The other half is for tables, models left out and what a
 #: few slips do not show. Doubled, an estimate that is only a little low exceeds the tolerance.
 _DISCRETISATION_FRACTION: Final = 0.5
-#: Of `_DISCRETISATION_FRACTION` that slices get at least, whatever the positions leave of it. Without it one position
-#: that happens to take all would ask for infinitely many slices.
+#: Of `_DISCRETISATION_FRACTION` that slices get at least. Positions aim at half of it, and slices get the rest. Only
+#: where the reference resolution has too few positions do they take more; without this limit they would leave nothing,
+#: and slices would be infinitely many. Halved, slices are then made up to 1.4 times as many.
 _MIN_SLICE_FRACTION: Final = 0.3
 #: By which a closed form may change the curves in place of the law that a scene names.
 _LAW_FRACTION: Final = 0.1

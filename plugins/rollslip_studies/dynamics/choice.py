@@ -65,7 +65,9 @@ FALLBACKS: Final = {"level": "pocket", "friction": "conventional", "integrator":
 
 # Fractions of the tolerances of cage slip and cage speed that the simplifications of a motion may use.
 #
-# They add up to 0.7. The rest is for slices and tables, whose errors are those of the friction.
+# They add up to 0.7 of the tolerance of the slip and of the speed. Slices and tables take fractions of the tolerance of
+# friction (`dynamics.study`: a quarter and a fifth), which changes slip and speed in turn. If all of these were used,
+# and had the same sign, they would be 1.15 times the tolerance; what a plan sums up of them is its estimated error.
 
 #: Effective in place of conventional friction. Doubled, effective friction is chosen more often, and the errors
 #: together may exceed the tolerance. Chosen; the largest, since this choice saves the largest part of the time.

@@ -1,24 +1,29 @@
 """Uncertainty bands of a steady slip and a minimum load, and the effect of exceeded validity ranges on a result.
 
-The band of a value lies between its 5 and 95 % quantiles where the data of a scene scatter. A run cannot afford
-samples, so the band comes from the advanced mean value method of structural reliability, on a coarse model:
+The band of a value lies between its quantiles of 5 and 95 % (`QUANTILES`) where the data of a scene scatter. A run
+cannot afford samples, so the band comes from the advanced mean value method of structural reliability, on a coarse
+model:
 
 1. Read the distributions of the uncertain quantities of the scene, by default those of `with_scatter`.
 2. Assemble the bearing with at most 24 slices and one position of the rollers, and as often again with one quantity at
-   its 5 or 95 % quantile, all others at their nominal values.
+   lower or its higher quantile, all others at their nominal values.
 3. At each of these bearings find the steady slip by secants on the torque balance, in the logarithm of the slip, from
    the nominal slip and with the nominal slope. Where secants fail or the slope is that of an unstable slip, search the
    whole loading branch. A cage that skids has an infinite slip.
 4. Find likewise the load at which the acceptable slip is steady, in the logarithm of the load.
-5. Take the changes of the log-odds ln(s/(1 - s)) of a slip s, and of the logarithm of a load. Their root sum of
-   squares, of increases and decreases separately, is the first-order estimate of the bounds, and their ratios are the
-   direction in which the quantities together change the value most.
-6. Put all quantities at their most probable values on these directions, a probability of 5 and of 95 % away from the
-   medians, and find slip and load there: they are the bounds. A bound with which the cage skids is infinite. Where
-   nothing is found there, the first-order estimate remains.
+5. Take the changes of the log-odds ln(s/(1 - s)) of a slip s, and of the logarithm of a load. Where the value is above
+   the nominal one at both quantiles of a quantity, or below at both, take its changes from the value at the median of
+   that quantity. The root of g'Rg, with g the changes and R the correlation of the normal scores, of increases and
+   decreases separately, is the first-order estimate of the bounds, and Rg is the direction in which the quantities
+   together change the value most.
+6. Put all quantities at their most probable values on these directions, where the probability is that of the lower and
+   of the higher quantile, and find slip and load there: they are the bounds. A bound with which the cage skids is
+   infinite. Where nothing is found there, the first-order estimate remains.
 7. Scale the odds of the slip of the run, and its load, by these factors: only ratios come from the coarse model. Its
    rollers are set in the cage; the slip with play follows from the slip-drag curves of the run
    (`evaluated.slip_with_play`).
+8. Add the play of the pockets and their oil film, where the scene does not state them, to the bounds of the slip with
+   play: by the root sum of squares of the changes of its log-odds (`_add_pockets`).
 
 Step 6 has the saturation and the interactions that a sum of squares lacks. Scatter around the direction is missing;
 samples (`rollslip uncertainty`) have it.
@@ -77,8 +82,8 @@ if TYPE_CHECKING:
 
 __all__ = ["QUANTILES", "Band", "QuantityEffect", "bands", "with_bands"]
 
-#: Probabilities of the quantiles at which a quantity is put; the band has the same. Both tails of 10 % instead of 5 %
-#: would narrow a band of normal quantities by a fifth. 5 and 95 % are those of `rollslip uncertainty`.
+#: Probabilities of the quantiles at which a quantity is put, and of the bounds of the band; they add up to 1. Tails of
+#: 10 % instead of 5 % would narrow a band of normal quantities by a fifth. Both are those of `rollslip uncertainty`.
 QUANTILES: Final = (0.05, 0.95)
 
 
@@ -109,14 +114,16 @@ _SMALL_SLIP: Final = SMALLEST_SLIP
 # known:
 
 #: Factors on the play of a pocket at the quantiles. No catalogue gives a play: between the typical one of brass and
-#: that of polyamide is a factor of 1.7, and makers differ as much (D). Wider ones would widen the band.
+#: that of polyamide is a factor of 1.7, and makers differ as much (D). Chosen, nearly that factor either way: those of
+#: docs/scripts/play.py. Wider ones would widen the band.
 _PLAY_FACTORS: Final = (0.6, 1.6)
 #: Exponent of a slip over the play, for each part of the slip that the play adds. In the twelve scenes of
 #: docs/scripts/play.py slips at 0.6 and 1.6 times the play are within 9 % of those of a march, but for one by 19 %. A
 #: smaller exponent would narrow the band.
 _PLAY_EXPONENT: Final = 1.2
 #: Part of the slip that the play adds which bars of metal take away, as rollers rebound from them: 0.14 to 0.66 in six
-#: motions in time, 0.4 in the middle (docs/tables/effective_slip.csv). A larger one would lower the end of the band.
+#: transient motions, 0.37 in the median (docs/tables/effective_slip.csv). Chosen above the median, because the band
+#: takes it for a change at the lower quantile. A larger one would lower the band further.
 _LESS_BY_METAL: Final = 0.45
 
 
@@ -134,10 +141,10 @@ class QuantityEffect:
 
 @attrs.frozen
 class Band:
-    """Factors from a load, or from the odds s/(1 - s) of a slip s, to its 5 and 95 % quantiles."""
+    """Factors from a load, or from the odds s/(1 - s) of a slip s, to its quantiles (`QUANTILES`)."""
 
-    low: float  #: Factor to the 5 % quantile [-].
-    high: float  #: Factor to the 95 % quantile [-], infinite where the cage skids.
+    low: float  #: Factor to the lower quantile [-].
+    high: float  #: Factor to the higher quantile [-], infinite where the cage skids.
     dominant: str  #: Key of the quantity that changes the value most, from its median if that is far from the nominal.
     effects: tuple[QuantityEffect, ...] = ()  #: Effects of all quantities, the largest first.
     median: float = 1.0  #: Factor to the slip where all quantities are at their medians [-].
@@ -483,6 +490,7 @@ def _log_steady_slip(
     found, own_slope = _root_by_secants(
         lambda log: balance.excess(min(math.exp(log), RANGE)), near, math.log(RANGE), slope
     )
+    # a root within the tolerance of the nominal one has the nominal slope, which is that of a stable slip
     if own_slope > 0.0:
         return found, own_slope
     # beyond a fold, or without a root: the smallest stable slip of the loading branch, if there is one
