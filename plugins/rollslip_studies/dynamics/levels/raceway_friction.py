@@ -91,8 +91,9 @@ _SLIDING_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
 #: Number of nodes from zero sliding on with which the candidates are compared. Chosen.
 _SCALE_NODES: Final = 64
 #: Gaps [m] between which the force of a roller is interpolated as a start of Newton's method. Chosen: any contact is
-#: between 1 pm and 1 mm.
-_GAPS: Final = np.geomspace(1e-12, 1e-3, 901)
+#: between 1 pm and 1 cm. They count from where a film begins to carry, up to 1 mm before the bodies touch: with an end
+#: at 1 mm loads at a layer of that thickness were far too small.
+_GAPS: Final = np.geomspace(1e-12, 1e-2, 1001)
 #: Largest number of Newton steps for the gap of a force, kept between two of these gaps. Chosen: the force of dry
 #: bodies is nearly a power of the gap, so that three reach rounding; where a film yields, some halve the interval.
 _MAX_NEWTON_STEPS: Final = 30
