@@ -10,26 +10,35 @@ agree, the motion is unique.
    sense of the torque. Loads of the slices are replaced by a Gauss rule of four.
 2. From each result, solve the equation with backward differences of second order (BDF2) on all slices by Newton's
    method. Both methods are L-stable, as heavily loaded rollers require: these follow their balance within less than
-   the distance of two positions.
+   the distance of two positions (Hairer and Wanner, sections IV.3 and V.1).
 3. Accept the solution if it is stable and near to what the march reached. Finite differences also have solutions that
    no roller has: jumps from ring to ring which may be at any position. Therefore a motion counts only if it is reached
    by marching.
 4. Where Newton's method fails, march by BDF2. Where that does not repeat, take the result of implicit Euler, with its
-   discretisation error.
+   discretisation error. Either counts only if it is stable.
 
-An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi <dG/dS_r>/(J w_re |w_c|)).
+An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi <dG/dS_r>/(J w_re |w_c|)). The motion
+is stable if that is below 1 (Seydel, chapter 7).
 
 - With rolling resistance, or friction in the pockets, rollers slip even if the cage does not. Then rolling on one ring
   is not a bound on that side: the march starts where no position of the orbit increases the roller slip.
 - Without inertia a roller is in balance at every position, and of several balances in the first one in the sense of
   its torque, as with very little inertia.
+- Without a cage, neighbours brake the spin by moments that depend on the motion of all rollers. Both are found by
+  fixed-point iteration, whose steps decrease where it alternates: the method of successive averages (Sheffi).
 - The unknown is the roller slip S_r, so that sliding speeds vanish exactly where the slips do.
+
+References
+----------
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996): L-stability, BDF.
+R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed. (2010): Floquet's multipliers.
+Y. Sheffi, Urban Transportation Networks (1985), chapter 12: method of successive averages.
 """
 
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -52,6 +61,7 @@ from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -152,9 +162,9 @@ _MOMENT_TOLERANCE: Final = 1e-5
 #: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
 #: times the median.
 _MAX_MOMENT_ITERATIONS: Final = 40
-#: Number of iterations whose mean is taken where the spin changes from one balance to another and back, and
-#: number of steps that do not decrease after which that is assumed. Half and twice as many change torques by up
-#: to 2 %, and cost 9 % less and 22 % more; chosen.
+#: Number of steps that do not decrease after which the spin counts as alternating between balances, so that the
+#: iteration ends, and number of iterations whose range of torques is then the error. Half and twice as many change
+#: torques by up to 2 %, and cost 9 % less and 22 % more; chosen.
 _N_AVERAGED: Final = 8
 #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
 #: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
@@ -181,30 +191,11 @@ class ConventionalFriction:
         return traction, resistance * rolling / film
 
 
-class FrictionCurve(Protocol):
-    """Friction over the sliding speed V, tabulated over V/(|V| + V_s)."""
-
-    @property
-    def nodes(self) -> Array:
-        """Friction and its slope times the width of a cell, (N, 2)."""
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """V/(|V| + V_s) of the first and the last node."""
-
-    @property
-    def sliding_scale(self) -> float:
-        """V_s [m/s]."""
-
-    def friction(self, sliding: Array) -> Array:
-        """Return friction coefficients at sliding speeds [m/s]."""
-
-
 class EffectiveFriction:
     """Effective friction of one ring times the normal force, rolling resistance as without slip."""
 
     def __init__(
-        self, table: FrictionCurve, friction: ConventionalFriction, rolling: float
+        self, table: EffectiveTable, friction: ConventionalFriction, rolling: float
     ) -> None:
         self._table = table
         self._force = friction.contacts.per_roller(friction.contacts.force)
@@ -345,7 +336,7 @@ class Motions:
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # coefficient of friction of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
-        effective: tuple[FrictionCurve, FrictionCurve] | None = None,
+        effective: tuple[EffectiveTable, EffectiveTable] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
         n_loads: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
         # Motions of the same bearing, or of one nearly alike, which know the slip of its rollers without cage slip.
@@ -387,16 +378,20 @@ class Motions:
         self._lever = 1.0 + k.outer_radius / k.roller_radius
         self._rollers = assembly.scene.bearing.rollers
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
-        self._idle_slip = 0.0  # mean roller slip without cage slip
-        self._max_idle_slip = 0.0
         self._last: tuple[bytes, list[LoadedContacts]] = b"", []
+        # mean and largest roller slip without cage slip; the search for it needs all of the above, and none of both
+        self._idle_slip, self._max_idle_slip = self._find_idle_slips(similar)
+
+    def _find_idle_slips(self, similar: "Motions | None") -> tuple[float, float]:
+        """Mean and largest roller slip without cage slip, those of similar motions where there are any."""
         if similar is not None:
-            self._idle_slip = similar._idle_slip
-            self._max_idle_slip = similar._max_idle_slip
-        elif self.resists:
-            idle = np.abs(self._march(np.zeros(1), np.zeros((1, 2))).roller_slips[0, 0])
-            self._idle_slip = max(float(idle.mean()), _MIN_IDLE_SLIP)
-            self._max_idle_slip = float(idle.max())
+            return similar._idle_slip, similar._max_idle_slip
+        if not self.resists:
+            return 0.0, 0.0
+        width = (_MIN_SLIP_SCALE + _IDLE_WIDTH) * (1.0 - self._inner_ratio)
+        march = self._march(np.zeros(1), np.zeros((1, 2)), widths=np.array([width]))
+        slips = np.abs(march.roller_slips[0, 0])
+        return max(float(slips.mean()), _MIN_IDLE_SLIP), float(slips.max())
 
     def with_resolution(self, n_positions: int, n_loads: int) -> "Motions":
         """Return those at other numbers of positions, and of loads of a roller (0 for all slices)."""
@@ -522,7 +517,11 @@ class Motions:
         return np.sort(np.stack((outer, outer * self._inner_ratio), axis=1), axis=1)
 
     def _march_starts(self, spins: Spins, slips: Array) -> Array:
-        """Roller slips (n, 2) between which every orbit leaves a roller: what resists only slows rollers."""
+        """Roller slips (n, 2) between which all periodic motions lie: a march from either one goes towards the other.
+
+        Without resistance these are rolling on either ring. With it rollers slip more, so that the upper one is moved
+        up, by steps that are doubled, until no position of the orbit increases the roller slip there.
+        """
         starts = self._rolling_slips(slips)
         if not self.resists:
             return starts
@@ -534,12 +533,13 @@ class Motions:
         while True:
             torques, _ = self._torques(spins, np.repeat(starts[:, 1], self.positions))
             torques = torques.reshape(slips.size, -1)
-            negative = (torques < -_ZERO_TORQUE * np.abs(torques).max()).any(axis=1)
-            is_inside = negative & (starts[:, 1] < _MAX_START)
-            if not is_inside.any():
+            # a torque on the spin is positive where it decreases the roller slip
+            increases_slip = (torques < -_ZERO_TORQUE * np.abs(torques).max()).any(axis=1)
+            is_too_low = increases_slip & (starts[:, 1] < _MAX_START)
+            if not is_too_low.any():
                 return starts
             step *= 2.0
-            starts[:, 1] += np.where(is_inside, step, 0.0)
+            starts[:, 1] += np.where(is_too_low, step, 0.0)
 
     @staticmethod
     def _torques(spins: Spins, roller_slips: Array) -> tuple[Array, Array]:
@@ -554,10 +554,11 @@ class Motions:
         starts: Array | None,
         spins: Spins | None = None,
         brakes: Array | None = None,
+        widths: Array | None = None,
     ) -> _March:
-        """March rollers round the orbit by implicit Euler, from two roller slips each (n, 2), by default all there are.
+        """March rollers round the orbit by implicit Euler, from two roller slips each (n, 2), by default the bounds.
 
-        Other torques than those of the loads of a march may be given as ``spins``.
+        Other torques than those of the loads of a march may be given as ``spins``, and other widths of the search.
         """
         if spins is None:
             spins = self.spins(slips, self._march_loads, brakes)
@@ -568,7 +569,7 @@ class Motions:
             self.positions,
             self._inertia_torque * np.abs(1.0 - slips),
             self._rolling_slips(slips),
-            self._march_widths(slips),
+            self._march_widths(slips) if widths is None else widths,
             starts,
             _EULER_ORBITS,
             _BALANCE_TOLERANCE if self._inertia_torque else _BALANCE_WITHOUT_INERTIA,
@@ -582,8 +583,7 @@ class Motions:
 
     def _march_widths(self, slips: Array) -> Array:
         """Widths of the search for balances, in roller slips, (n,)."""
-        idle = _IDLE_WIDTH * (self.resists and not self._idle_slip)
-        return (self.slip_scale(slips) + idle) * (1.0 - self._inner_ratio)
+        return self.slip_scale(slips) * (1.0 - self._inner_ratio)
 
     def find(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
         """Return the motions at cage slips: one each, or the two between which all others lie.
@@ -599,7 +599,7 @@ class Motions:
         scale = self.slip_scale(slips)
         pairs = None if starts is None else np.repeat((starts * scale)[:, None], 2, axis=1)
         brakes = None
-        brake_errors = None
+        brake_errors = np.zeros(slips.size)
         if self.rubbing > 0.0:
             brakes, brake_errors = self._find_brakes(slips, pairs)
         spins = self.spins(slips, brakes=brakes)
@@ -609,17 +609,14 @@ class Motions:
         walkers = np.array([0] * slips.size + [1] * len(ambiguous))
         roller_slips = march.roller_slips[rows, walkers]
         motions = self._refine(
-            spins, slips, rows, roller_slips, march.orbit_changes[rows, walkers], brakes
+            spins,
+            slips,
+            rows,
+            roller_slips,
+            march.orbit_changes[rows, walkers],
+            brakes,
+            brake_errors,
         )
-        if brake_errors is not None:
-            motions = [
-                attrs.evolve(
-                    motion,
-                    error=max(motion.error, error),
-                    converged=motion.converged and error < _MAX_ERROR,
-                )
-                for motion, error in zip(motions, brake_errors[rows].tolist(), strict=True)
-            ]
         out = [[motion] for motion in motions[: slips.size]]
         for row, motion in zip(ambiguous, motions[slips.size :], strict=True):
             if brakes is not None:  # neighbours brake it by moments of its own
@@ -653,8 +650,12 @@ class Motions:
         marched: Array,
         orbit_changes: Array,
         brakes: Array | None,
+        brake_errors: Array,
     ) -> list[Motion]:
-        """Motions of second order near marched roller slips (m, K), at some rows of the slips, (m,)."""
+        """Motions of second order near marched roller slips (m, K), at some rows of the slips, (m,).
+
+        The changes by further orbits are those of the march (m,); brakes (n, K) and their errors (n,) are of all slips.
+        """
         scale = self.slip_scale(slips)[rows]
         inertia = (self._inertia_torque * np.abs(1.0 - slips))[rows]
         error = np.zeros(rows.size)
@@ -686,8 +687,8 @@ class Motions:
                 torque=float(torque[k]),
                 normalised_slip=found[k] / scale[k],
                 slip_scale=float(scale[k]),
-                converged=bool(converged[k]),
-                error=float(error[k]),
+                converged=bool(converged[k] and brake_errors[r] < _MAX_ERROR),
+                error=max(float(error[k]), float(brake_errors[r])),
                 multiplier=float(multiplier[k]),
                 brakes=None if brakes is None else brakes[r],
             )
@@ -709,9 +710,10 @@ class Motions:
     ) -> tuple[Array, Array, Array, Array]:
         """Roller slips, multipliers, torques [N m] and relative errors by a march of second order, (m, ...) each.
 
-        Where the march is not periodic, they are those of the march of first order, with its discretisation error.
+        Where the march is not periodic, they are those of the march of first order, with its discretisation error: that
+        of the difference quotient, s_k - s_(k-1) instead of (3 s_k - 4 s_(k-1) + s_(k-2))/2, as a torque on the cage.
         """
-        second, _, change, status = spins.kernel.march_orbits(
+        second_order, _, orbit_changes, status = spins.kernel.march_orbits(
             rows,
             self.positions,
             inertia,
@@ -724,8 +726,8 @@ class Motions:
             np.repeat(marched[:, None], 2, axis=1),
         )
         spins.check(status)
-        is_periodic = change[:, 0] <= _SECOND_ORDER_TOLERANCE
-        found = np.where(is_periodic[:, None], second[:, 0], marched)
+        is_periodic = orbit_changes[:, 0] <= _SECOND_ORDER_TOLERANCE
+        found = np.where(is_periodic[:, None], second_order[:, 0], marched)
         torque, multiplier = self._mean_torques(spins, rows, found, inertia, scale)
         bend = 0.5 * marched - np.roll(marched, 1, axis=1) + 0.5 * np.roll(marched, 2, axis=1)
         error = (
@@ -744,71 +746,92 @@ class Motions:
 
     # Neighbours -------------------------------------------------------------------------------------------------------
 
+    @cached_property
+    def _train(self) -> Train:
+        k = self.assembly.kinematics
+        rollers = self.assembly.scene.bearing.rollers
+        lever = k.orbit_radius * math.cos(math.pi / rollers)
+        return Train(rollers, k.roller_radius, lever, self.rubbing)
+
     def _find_brakes(self, slips: Array, starts: Array | None) -> tuple[Array, Array]:
         """Moments (n, K) by which neighbours brake the spins [N m], and the error they leave of the torque, (n,).
 
-        It is a damped fixed-point iteration of the moments and the motion; `rollslip_studies.motion.train` derives its
-        step. Where the motion alternates between two balances, the error is the change of the torque, relative to its
-        mean size along the orbit.
+        It is a fixed-point iteration with a step of its own at each slip, full at first, and 1/(1 + n) of that after n
+        steps that were not smaller than the ones before. Then the spin alternates between balances, and such steps tend
+        to the mean of their moments (method of successive averages). After `_N_AVERAGED` of them the iteration ends;
+        the error is the range of the torque in the last ones, relative to its mean size along the orbit.
         """
         brakes = np.zeros((slips.size, self.positions))
         errors = np.zeros(slips.size)
         torques = list[Array]()  # of the iterations so far, relative to their mean size
-        smallest = np.full(slips.size, np.inf)
-        stalled = np.zeros(slips.size)
-        rows = np.arange(slips.size)
+        smallest_steps = np.full(slips.size, np.inf)
+        n_stalled = np.zeros(slips.size)
+        rows = np.arange(slips.size)  # the slips that have not converged, and their moments
         current = brakes[rows]
         spins = None
         for _ in range(_MAX_MOMENT_ITERATIONS):
-            if spins is None:  # compiled code reads ``current`` itself
+            if (
+                spins is None
+            ):  # compiled code reads ``current`` itself, which is therefore changed in place
                 spins = self.spins(slips[rows], self._march_loads, current)
             step, torque = self._find_brake_step(
                 slips[rows], None if starts is None else starts[rows], spins, current
             )
             size = np.abs(step).max(axis=1)
-            stalled[rows] += size > _STALL_RATIO * smallest[rows]
-            smallest[rows] = np.minimum(size, smallest[rows])
-            current += step / (1.0 + stalled[rows, None])
+            n_stalled[rows] += size > _STALL_RATIO * smallest_steps[rows]
+            smallest_steps[rows] = np.minimum(size, smallest_steps[rows])
+            current += step / (1.0 + n_stalled[rows, None])
             brakes[rows] = current
             torques.append(np.full(slips.size, np.nan))
             torques[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
             errors[rows] = np.ptp(torques[-_N_AVERAGED:], axis=0)[rows]
             is_converged = size <= _MOMENT_TOLERANCE * current.max(axis=1)
             errors[rows[is_converged]] = 0.0
-            is_done = is_converged | (stalled[rows] >= _N_AVERAGED)
+            is_done = is_converged | (n_stalled[rows] >= _N_AVERAGED)
             if is_done.all():
                 break
             if is_done.any():
                 rows = rows[~is_done]
-                spins = None
                 current = brakes[rows]
+                spins = None
         return brakes, errors
 
     def _find_brake_step(
         self, slips: Array, starts: Array | None, spins: Spins, brakes: Array
     ) -> tuple[Array, Array]:
-        """The full step of the moments, and torques of one roller on the cage [N m], (n, K) each."""
-        k = self.assembly.kinematics
-        rollers = self.assembly.scene.bearing.rollers
-        lever = k.orbit_radius * math.cos(math.pi / rollers)
-        train = Train(rollers, k.roller_radius, lever, self.rubbing)
-        friction = train.coefficient * train.radius
+        """The full step of the moments, and torques of one roller on the cage [N m], (n, K) each.
+
+        With the motion under the moments so far, the forces of the train give new ones. They include by how much a
+        change of the moments changes the torques that drive the train.
+        """
         roller_slips = self._march(slips, starts, spins).roller_slips[:, 0].ravel()
-        spin, torque = self._torques(spins, roller_slips)
-        nudged_spin, nudged_torque = self._torques(spins, roller_slips + NUDGED)
-        # a spin stays in balance, so a moment on it takes traction, which leaves less for the train
-        rises = np.maximum(nudged_spin - spin, 0.0)
-        taken = np.divide(
-            rises - nudged_torque + torque, rises, out=np.zeros_like(rises), where=rises > 0.0
+        torque, fall = (
+            values.reshape(brakes.shape) for values in self._find_torque_falls(spins, roller_slips)
         )
-        turns = k.roller_radius * k.epicyclic_roller_speed * (1.0 - roller_slips)
-        falls = (
-            np.clip(taken, 0.0, k.outer_radius / k.roller_radius) * turns / np.hypot(turns, SLIDES)
+        moment_arm = self._train.coefficient * self._train.radius
+        forces = self._train.pushes(torque + self._body_torque + fall * brakes, fall * moment_arm)
+        return moment_arm * sum(forces) - brakes, torque
+
+    def _find_torque_falls(self, spins: Spins, roller_slips: Array) -> tuple[Array, Array]:
+        """Torques of one roller on the cage [N m], and by how much a moment on the spin decreases them, over it.
+
+        The spin stays in balance, G(S_r) = 0. The torques G on it and T on the cage contain the moment M:
+        at the same slip a further moment dM decreases them by dM. So the slip changes by dS_r = dM/G', and T by
+        T' dS_r - dM = -(1 - T'/G') dM, with derivatives at the same M. The fall 1 - T'/G' is between 0 and R_o/r, where
+        the roller only rolls on the outer ring. M brakes, so that its sign is that of the surface speed.
+        """
+        k = self.assembly.kinematics
+        spin_torque, torque = self._torques(spins, roller_slips)
+        nudged_spin_torque, nudged_torque = self._torques(spins, roller_slips + NUDGED)
+        rise = np.maximum(
+            nudged_spin_torque - spin_torque, 0.0
+        )  # below zero it is not in a stable balance
+        fall = np.divide(
+            rise - nudged_torque + torque, rise, out=np.zeros_like(rise), where=rise > 0.0
         )
-        torque = self.sense * torque.reshape(brakes.shape)
-        falls = falls.reshape(brakes.shape)
-        pushes = train.pushes(torque + self._body_torque + falls * brakes, falls * friction)
-        return friction * sum(pushes) - brakes, torque
+        surface = k.roller_radius * k.epicyclic_roller_speed * (1.0 - roller_slips)
+        fall = np.clip(fall, 0.0, k.outer_radius / k.roller_radius) * surface
+        return self.sense * torque, fall / np.hypot(surface, SLIDES)
 
 
 # Loads over an orbit ------------------------------------------------------------------------------------------------
