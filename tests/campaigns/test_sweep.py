@@ -52,7 +52,7 @@ from rollslip_campaigns.sweep.point import TaskResult, _pack_values, compute
 from rollslip_campaigns.sweep.result import collect
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
-from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
+from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep, with_engine
 
 SCENE = rollslip.evolve(
     rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5}
@@ -1022,6 +1022,16 @@ def test_a_time_limit_ends_a_point_in_any_thread():
     assert [row.status for one in done for row in one.rows] == 9 * ["timed-out"]
     assert "took longer than the time limit of 0.01 s" in done[0].rows[0].message
     assert compute(attrs.evolve(sweep.work, time_limit=60.0), points[:1]).rows[0].status == "ok"
+
+
+def test_with_a_time_limit_points_run_in_processes_unless_an_engine_is_chosen(tmp_path):
+    """A point that never leaves compiled code ends with its process alone."""
+    scene = rollslip.load_scene("1032930-70C")
+    cheap = planned({"operation.radial_load": "1 kN:4 kN:4"}, scene, "friction-curve", ())
+    assert sweep_run._engine_without_measuring(cheap, tmp_path) == (None, "")
+    limited = with_engine(cheap, None, "60 s")
+    chosen, why = sweep_run._engine_without_measuring(limited, tmp_path)
+    assert (chosen.name, why) == ("processes", "the end of a process ends any point in time")
 
 
 def test_what_has_no_value_says_why_most_of_them_have_none():

@@ -338,7 +338,9 @@ def run_limit(
     retry_statuses: tuple[str, ...] = FAILED
     serial = (
         None
-        if requested_engine(search.sweep) is not None or search.sweep.local
+        if requested_engine(search.sweep) is not None
+        or search.sweep.local
+        or search.sweep.table.time_limit is not None
         else get_model("engine", "serial")
     )
     while numbers:

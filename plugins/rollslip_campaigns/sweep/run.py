@@ -5,7 +5,8 @@ Steps of a run:
 1. Read from the journals which points are done; the others, and those to be retried, are pending.
 2. Choose the engine, unless one is requested: compute some points in this process and measure their time. Points that
    are cheap stay in this process; the others go to a pool of processes. Some cases need no measurement: transient
-   studies take long, and a sweep that died in this process before is not run in it again.
+   studies take long, a sweep that died in this process before is not run in it again, and with a time limit only the
+   end of a process ends a point that never leaves compiled code.
 3. Submit tasks, at most two per worker. A task has as many points as fill the time for which a task pays on that
    engine, by the mean time per point so far.
 4. Commit the rows of a task to the journal as soon as it returns.
@@ -279,6 +280,8 @@ def _engine_without_measuring(sweep: Sweep, folder: Path) -> tuple[Engine | None
         ), f"{', '.join(sweep.local)} is registered in this process only"
     if has_died(folder):
         return get_model("engine", "processes"), "an earlier run died in its own process"
+    if sweep.table.time_limit is not None:
+        return get_model("engine", "processes"), "the end of a process ends any point in time"
     study = settings(sweep.scene, sweep.study)[sweep.study]
     if study.is_transient:
         return get_model("engine", "processes"), "motions in time take long"
