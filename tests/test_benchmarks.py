@@ -3,6 +3,10 @@
 And faults that are planted to try the tests stand in the files of today.
 """
 
+import ast
+import random
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -64,3 +68,22 @@ def test_faults_to_be_planted_stand_in_their_files_once_and_their_tests_are_ther
             path, _, name = test.partition("[")[0].partition("::")
             text = (plant.TREE / path).read_text(encoding="utf-8")
             assert f"def {name}" in text or f"class {name}(" in text, (fault.file, test)
+
+
+def test_faults_drawn_at_random_are_other_code_in_one_place(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "tools"))
+    import random_faults
+
+    path = "framework/rollslip/units.py"
+    text = (random_faults.TREE / path).read_text(encoding="utf-8")
+    places = list(random_faults.places(path, text))
+    faults = [random_faults.fault_of(place, text, ()) for place in places]
+    for fault in random.Random(5).sample(faults, 50):
+        assert text.count(fault.old) == 1
+        changed = text.replace(fault.old, fault.new)
+        assert ast.dump(ast.parse(changed)) != ast.dump(ast.parse(text)), fault.new
+    assert {"min", "max", "<=", "<", "-", "or", "and", "any", "all"} & {
+        place.new for place in places
+    }
+    assert "tests/top_level/test_units.py" in random_faults.tests_of(path, "named")
+    assert random_faults.tests_of(path, "suite") == ()

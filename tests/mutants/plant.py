@@ -210,6 +210,29 @@ def planted(fault: Fault, tree: Path, pristine: Path) -> Iterator[bool]:
                     shutil.copy2(before, after)
 
 
+def prepare() -> None:
+    """Set what forks of this process inherit: the profile of hypothesis, one thread of linear algebra, libraries."""
+    hypothesis.settings.register_profile(
+        "planted",
+        max_examples=40,
+        database=None,
+        deadline=None,  # builds and other work beside take the processor
+        phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
+    )
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ[variable] = "1"
+    for library in (
+        "numpy",
+        "scipy.optimize",
+        "scipy.integrate",
+        "scipy.stats",
+        "xarray",
+        "h5netcdf",
+        "rich.console",
+    ):
+        __import__(library)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -236,25 +259,7 @@ def main() -> None:
         and (not requested.only or any(word in fault.file for word in requested.only))
     ]
     print(f"{len(table)} faults are listed, {len(chosen)} are planted now")
-    hypothesis.settings.register_profile(
-        "planted",
-        max_examples=40,
-        database=None,
-        deadline=None,  # builds and other work beside take the processor
-        phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
-    )
-    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ[variable] = "1"
-    for library in (
-        "numpy",
-        "scipy.optimize",
-        "scipy.integrate",
-        "scipy.stats",
-        "xarray",
-        "h5netcdf",
-        "rich.console",
-    ):
-        __import__(library)
+    prepare()
     with tempfile.TemporaryDirectory(prefix="rollslip-mutants-") as folder:
         tree = Path(folder) / "tree"
         pristine = copied(tree)
