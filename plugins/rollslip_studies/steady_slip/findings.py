@@ -572,22 +572,16 @@ def _describe_limit_drag(dataset: "xr.Dataset") -> str:
             f"the limit drag torque is {format_quantity(limit, 'N m', 3)}, at a cage slip of "
             f"{_percent(float(dataset['skidding_slip']))}{_describe_jump(dataset)}"
         )
-    elif "largest_torque" not in dataset:
-        reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
-        sentence += f"; in this range the rollers drive the cage with up to {reached}"
     return sentence + _describe_first_maximum(dataset)
 
 
 def _describe_jump(dataset: "xr.Dataset") -> str:
     """Return the error of the limit drag torque, the slip after the jump, and the largest torque beyond."""
-    if "jump_slip" not in dataset:
-        return ""
     low, high, jump_slip = (
         float(dataset[name]) for name in ("limit_drag_low", "limit_drag_high", "jump_slip")
     )
     error = float(dataset["limit_drag_error"])
-    # older results have no fraction; theirs was a thousandth
-    within = _percent(float(dataset["limit_drag_low"].attrs.get("within", 1e-3)))
+    within = _percent(float(dataset["limit_drag_low"].attrs["within"]))
     sentence = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within {within} of that"
     sentence += (
         f" (right to {_percent(error)})" if math.isfinite(error) else " (how exactly is not known)"
@@ -616,10 +610,8 @@ def _describe_minimum_load(dataset: "xr.Dataset") -> list[str]:
 
 def _describe_first_maximum(dataset: "xr.Dataset") -> str:
     """Return the first maximum of the torque where it lies before the onset of skidding; else an empty text."""
-    if "first_maximum_slip" not in dataset or math.isnan(float(dataset["first_maximum_slip"])):
-        return ""
     slip = float(dataset["first_maximum_slip"])
-    if slip >= float(dataset["skidding_slip"]):  # which may be NaN
+    if math.isnan(slip) or slip >= float(dataset["skidding_slip"]):  # which may be NaN
         return ""
     torque = format_quantity(float(dataset["first_maximum_torque"]), "N m", 3)
     jump_slip = float(dataset.get("first_jump_slip", math.nan))
