@@ -286,9 +286,14 @@ class MaxwellEyringLocal(EyringGroups):
         thickens = np.argwhere(~(beta >= 0))
         if thickens.size:
             point, at = thickens[0]
+            highest = pressures[point, at]
+            tried = np.linspace(0.0, highest, 201)
+            held = tried[np.argmax(~(self.law.at(c, tried)[1] >= 0)) - 1]
             raise DomainError(
-                f"{self.name}: slice {at} is outside its domain: at {format_quantity(pressures[point, at], 'Pa')} "
-                f"the oil thickens with heat after {self.law.name!r}; choose another lubricant.pressure_viscosity_law"
+                f"{self.name}: slice {at} is outside its domain: at {format_quantity(highest, 'Pa', 3)} the oil "
+                f"thickens with heat after {self.law.name!r}, up to {format_quantity(held, 'Pa', 2)} it does not; give "
+                "lubricant.pressure_viscosity as a table that falls with temperature, or choose another "
+                "lubricant.pressure_viscosity_law"
             )
         tau0 = self.eyring_stress(s)
         V = np.maximum(np.abs(s.sliding_speed), LINEAR_RATIO * s.rolling_speed)
