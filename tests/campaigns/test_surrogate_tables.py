@@ -14,11 +14,13 @@ from scipy.optimize import brentq
 
 import rollslip
 from rollslip.catalogue import discovery
-from rollslip.errors import SceneError
+from rollslip.cli.main import main
+from rollslip.errors import ConvergenceError, SceneError
 from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate import drags as surrogate_drags
-from rollslip_campaigns.surrogate.drags import tabulate_drags
+from rollslip_campaigns.surrogate import surrogate as made_by
+from rollslip_campaigns.surrogate.drags import OPERATION_KEYS, tabulate_drags
 from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
@@ -333,3 +335,48 @@ def test_of_two_endings_the_longer_one_says_the_format(monkeypatch):
         "json",
         "json",
     ]
+
+
+class Counted:
+    """Nodes of which those of a grid are known as soon as it is requested, in a time by the clock."""
+
+    count = made_by._Nodes.count
+
+    def __init__(self, seconds):
+        ranges = dict.fromkeys(OPERATION_KEYS, (1.0, 2.0))
+        self.plan = SimpleNamespace(ranges=ranges, error=0.01, seconds=seconds)
+        self.results = dict[int, object]()
+
+
+def test_rows_are_refined_as_long_as_their_nodes_end_in_time(monkeypatch):
+    now = 0.0
+    monkeypatch.setattr(made_by.time, "monotonic", lambda: now)
+    nodes = Counted(90.0)
+    found = []
+    for levels, allowed in made_by._levels_in_time(nodes, 0.0, 1.0):
+        now += nodes.count(levels) - len(nodes.results)
+        nodes.results = dict.fromkeys(range(nodes.count(levels)))
+        found.append(levels)
+        assert 0.0 < allowed < 0.01
+    # 16, 28 and 49 nodes; 91 would end after 42 more
+    assert found == [(0, 0), (0, 1), (1, 1)]
+    assert next(made_by._levels_in_time(Counted(1.0), now, 1.0))[0] == (0, 0)
+    monkeypatch.setattr(made_by, "cores", lambda: 2)
+    assert made_by._describe_cost(Counted(60.0), 8, 1.0) == (
+        "24 operations of 1 s each on 2 processors take about 14 s, more nodes at most 1 min 0 s"
+    )
+
+
+def test_a_scene_is_exported_by_one_command(monkeypatch, tmp_path):
+    requested = []
+
+    def run(self, made, folder, show, message):
+        requested.append((self.scene.operation.radial_load, self.within, self.checks))
+        raise ConvergenceError("it ends here")
+
+    monkeypatch.setattr(SurrogateSettings, "plan", lambda self: None)
+    monkeypatch.setattr(SurrogateSettings, "run", run)
+    for words in (["--within", "5 s"], []):
+        with pytest.raises(SystemExit):
+            main(["export", "gearbox", "--out", str(tmp_path / "b.fmu"), *words])
+    assert requested == [(1500.0, "5 s", 8), (1500.0, "1 min", 8)]

@@ -4,6 +4,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ from rollslip.cli.app import (
     json_option,
     print_either,
     print_json,
+    progress,
     scene_of,
     set_option,
     verbose_option,
@@ -153,14 +155,21 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     help="Stored result of SCENE, to be written where the format of FILE has a place for it; SCENE may be left out.",
 )
 @click.option(
+    "--within",
+    metavar="TIME",
+    default="1 min",
+    show_default=True,
+    help="Time to compute what the format of FILE needs, such as tables of an FMU, unless --result has it.",
+)
+@click.option(
     "--binary-only", is_flag=True, help="Without the sources of what is compiled, as of an FMU."
 )
 @click.option("--overwrite", is_flag=True, help="Replace the file.")
 @click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of the JSON instead.")
 @set_option
 def export(
-    scene: str | None, out: Path | None, result: Path | None, binary_only: bool, overwrite: bool, of_schema: bool,
-    changes: Sequence[str],
+    scene: str | None, out: Path | None, result: Path | None, within: str, binary_only: bool, overwrite: bool,
+    of_schema: bool, changes: Sequence[str],
 ) -> None:  # fmt: skip
     """Write SCENE for other programs: as neutral parameters in JSON, or in a format that a package offers.
 
@@ -179,7 +188,7 @@ def export(
     if out is not None and out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if not of_schema and out is not None:
-        _export_scene(scene, changes, result, out, binary_only)
+        _export_scene(scene, changes, result, out, within, binary_only)
     elif out is None:
         print_json(parameter_schema() if scene is None else to_parameters(scene_of(scene, changes)))
         return
@@ -190,12 +199,18 @@ def export(
 
 
 def _export_scene(
-    scene: str | None, changes: Sequence[str], result: Path | None, out: Path, binary_only: bool
+    scene: str | None,
+    changes: Sequence[str],
+    result: Path | None,
+    out: Path,
+    within: str,
+    binary_only: bool,
 ) -> None:
     """Write a scene, or that of a result, with the result into a file of another program, and print notes."""
     import json
 
     from rollslip.results.dataset import open_result
+    from rollslip.scene.formats import format_of
     from rollslip.scene.interchange import write_foreign
     from rollslip.scene.reading import from_raw
 
@@ -204,6 +219,11 @@ def _export_scene(
         exported = from_raw(json.loads(stored.attrs["scene_resolved"]), stored.attrs["source"])
     else:
         exported = scene_of(str(scene), changes)
+    if stored is None and (file_format := format_of(out)) is not None:
+        with progress("tables") as show:
+            stored = file_format.compute_result(
+                exported, within, partial(click.echo, err=True), show
+            )
     choices = {"binary_only": True} if binary_only else {}
     for note in write_foreign(exported, out, stored, **choices):
         click.echo(f"note: {note}", err=True)

@@ -10,7 +10,7 @@
 
 import abc
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -21,6 +21,8 @@ from rollslip.catalogue.kinds import Kind
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rollslip.scene.values import Scene
 
 __all__ = ["SCENE_FORMAT", "Read", "SceneFormat", "Written", "endings", "format_of"]
 
@@ -86,6 +88,28 @@ class SceneFormat(abc.ABC):
         SceneError
             If the format cannot hold the scene.
         """
+
+    def compute_result(
+        self,
+        scene: "Scene",
+        within: str,
+        message: Callable[[str], None],
+        progress: Callable[..., None],
+    ) -> "xr.Dataset | None":
+        """Return the result that a file is written from, computed for a scene; None for a format that needs none.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        within : str
+            Time for it, such as "1 min"; a result in less time is coarser.
+        message : callable
+            Takes a line of text, such as what it will take.
+        progress : callable
+            Takes a text on the progress, the fraction that is done, and the time left [s].
+        """
+        return None
 
 
 #: The kind of a file format.

@@ -1,5 +1,7 @@
 """Campaign surrogate: tables that replace a bearing in other programs, such as FMU hosts."""
 
+import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,6 +70,11 @@ class SurrogateSettings(OfPoints):
         show_default=True,
     )
 
+    within: float | str | None = setting(
+        "Time for the tables, such as '1 min': they are as fine as it allows, and say their error.",
+        metavar="TIME",
+    )
+
     def plan(self) -> "SurrogatePlan":
         """Return the points to be computed, after a check of ranges and drags."""
         from rollslip_campaigns.surrogate.surrogate import plan_surrogate
@@ -80,6 +87,11 @@ class SurrogateSettings(OfPoints):
         """Compute the tables in a folder, and return them."""
         from rollslip_campaigns.surrogate.surrogate import run_surrogate
 
+        # how many points there will be is not known, so that only a deadline gives a time that is left
+        deadline = time.monotonic() + (made.seconds or math.nan)
         return run_surrogate(
-            made, folder, print_line=message, report=lambda now: show(*now.summary)
+            made,
+            folder,
+            print_line=message,
+            report=lambda now: show(now.summary[0], left=max(deadline - time.monotonic(), 0.0)),
         )

@@ -18,7 +18,7 @@ import sysconfig
 import uuid
 import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,6 +31,8 @@ from rollslip.errors import OutputError, SceneError
 from rollslip.results.dataset import about, xr
 from rollslip.results.table import in_shown_unit
 from rollslip.scene.formats import Read, SceneFormat, Written
+from rollslip.scene.values import Scene
+from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
 
 __all__ = [
@@ -177,6 +179,10 @@ def sources(result: "xr.Dataset") -> tuple[dict[str, str], str]:
     }, guid
 
 
+#: Random operations that give the error of tables in a limited time. Twice as many take the time of as many nodes.
+_CHECKS: Final = 8
+
+
 @attrs.frozen
 class TablesFormat(SceneFormat):
     """A format for the tables of a surrogate, which holds no scene; subclasses implement `render`."""
@@ -216,6 +222,30 @@ class TablesFormat(SceneFormat):
                 ]
             )
         return self.render(result)
+
+    def compute_result(
+        self,
+        scene: Scene,
+        within: str,
+        message: Callable[[str], None],
+        progress: Callable[..., None],
+    ) -> "xr.Dataset":
+        """Return the tables of a scene, as fine as a time allows.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        within : str
+            Time for the tables, such as "1 min".
+        message : callable
+            Takes a line of text.
+        progress : callable
+            Takes a text on the progress, the fraction that is done, and the time left [s].
+        """
+        requested = SurrogateSettings(scene, checks=_CHECKS, within=within)
+        with TemporaryDirectory() as folder:
+            return requested.run(requested.plan(), Path(folder), progress, message)
 
     @abc.abstractmethod
     def render(self, result: "xr.Dataset") -> Written:

@@ -23,7 +23,8 @@ supply of rings between which a roller rolls at this speed without slip.
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -32,18 +33,26 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.engine import cores
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.dataset import about, save, xr
+from rollslip.results.text import duration
 from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import raise_problem_if, raise_problems
 from rollslip.studies.study import settings
-from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip.units import UnitError, check_typed, evenly, format_quantity, quantity
 from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate.drags import CAGE_NODES, OPERATION_KEYS, tabulate_drags
 from rollslip_campaigns.surrogate.stiffness import stiffness
-from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables, weights
+from rollslip_campaigns.surrogate.tables import (
+    CAGE_SMALL,
+    Axis,
+    Tables,
+    bearing_variables,
+    weights,
+)
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
@@ -82,6 +91,10 @@ _TIGHTENING: Final = 0.5
 #: Attempts before the tolerance counts as unattainable: fractions from 0.8 to 0.1 with the values above. Doubling
 #: it asks an axis for less than 1 % of the tolerance.
 _MAX_ATTEMPTS: Final = 4
+
+#: Time for drags, steady states and stiffness after the nodes, over that of the nodes, in a limited time: 0.16 for
+#: gearbox on two processors. Half of it would make tables late by that.
+_TIME_AFTER: Final = 0.2
 
 #: Smallest and largest load over that of the scene, where no range is named. Wider ranges need more nodes; chosen.
 _LOAD_FACTORS: Final = (0.4, 2.5)
@@ -140,6 +153,8 @@ class SurrogatePlan:
         Lower and upper bound of each of the four quantities, in SI units.
     error : float
         Largest relative error that is allowed.
+    seconds : float or None
+        Time for the tables [s], which may then have a larger error; None for as long as the error takes.
     """
 
     scene: "Scene"
@@ -147,6 +162,7 @@ class SurrogatePlan:
     random: Sweep
     ranges: Mapping[str, tuple[float, float]]
     error: float
+    seconds: float | None = None
 
     @property
     def unusual(self) -> tuple[str, ...]:
@@ -163,7 +179,8 @@ class SurrogatePlan:
                 + " to ".join(dict.fromkeys(format_quantity(end, unit, 4) for end in ends))
                 for (key, ends), unit in zip(self.ranges.items(), _UNITS, strict=True)
             ),
-            f"  until random operations are within {100 * self.error:.3g} %",
+            f"  until random operations are within {100 * self.error:.3g} %"
+            + (f", or {duration(self.seconds)} are over" if self.seconds else ""),
         ]
 
 
@@ -249,6 +266,7 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         random=attrs.evolve(random, given=requested.base_scene),
         ranges=ranges,
         error=error,
+        seconds=None if requested.within is None else quantity(requested.within, "s"),
     )
 
 
@@ -349,6 +367,11 @@ class _Nodes:
     plan: SurrogatePlan
     points: Points
     results: dict[int, dict[str, Array]] = attrs.field(factory=dict)
+
+    def count(self, levels: Sequence[int]) -> int:
+        """Return the number of nodes of temperature and load at levels of refinement."""
+        axes = _axes(self.plan.ranges).values()
+        return math.prod(len(_row(axis, level)) for axis, level in zip(axes, levels, strict=True))
 
     def tables(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
         """Return the tables at indices of the finest rows of temperature and load: (temperature, load, ...)."""
@@ -474,6 +497,10 @@ def run_surrogate(
     design = plan.random.design
     results = dict[int, dict[str, Array]]()
     random_points = Points.in_folder(plan.random, folder / "random", print_line, report)
+    start = time.monotonic()
+    if plan.seconds:
+        _compute_points(random_points, results, [0])
+        print_line(_describe_cost(nodes, design.size, time.monotonic() - start))
     _compute_points(random_points, results, range(design.size))
     reference = {
         name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLE_AXES
@@ -487,11 +514,11 @@ def run_surrogate(
         )
         for key in OPERATION_KEYS[:2]
     }
-    levels = [0, 0]
-    fraction = _FIRST_FRACTION
-    for _ in range(_MAX_ATTEMPTS):
-        allowed = fraction * plan.error
-        levels = _refine_rows(nodes, levels, allowed)
+    seconds_each = (time.monotonic() - start) / design.size
+    attempts = (
+        _levels_in_time(nodes, start, seconds_each) if plan.seconds else _levels_by_error(nodes)
+    )
+    for levels, allowed in attempts:
         rows = [_row(axis, level) for axis, level in zip(axes.values(), levels, strict=True)]
         fine = nodes.tables(*rows)
         strides = _choose_point_strides(fine, allowed)
@@ -517,8 +544,7 @@ def run_surrogate(
         )
         if errors.max() <= plan.error:
             break
-        fraction *= _TIGHTENING
-    else:
+    if errors.max() > plan.error and not plan.seconds:
         raise ConvergenceError(
             f"the error of the finest tables at random operations is {100 * errors.max():.2g} %, more than "
             f"{100 * plan.error:.3g} %; allow a larger --error, or narrow the ranges"
@@ -526,6 +552,50 @@ def run_surrogate(
     dataset = _dataset(plan, axes, rows, strides, {**fine, **tables}, operations, errors)
     save(dataset, folder / RESULT)
     return dataset
+
+
+def _describe_cost(nodes: _Nodes, checks: int, seconds: float) -> str:
+    """Return a sentence on the time of the coarsest tables, from that of one operation [s]."""
+    count = nodes.count((0, 0)) + checks
+    whole = (1.0 + _TIME_AFTER) * count * seconds / cores()
+    return (
+        f"{count} operations of {seconds:.2g} s each on {cores()} processors take about "
+        f"{duration(whole)}, more nodes at most {duration(max(nodes.plan.seconds or 0.0, whole))}"
+    )
+
+
+def _levels_by_error(nodes: _Nodes) -> Iterator[tuple[Sequence[int], float]]:
+    """Yield levels of both rows and the error that each axis may have, ever finer."""
+    levels = [0, 0]
+    fraction = _FIRST_FRACTION
+    for _ in range(_MAX_ATTEMPTS):
+        allowed = fraction * nodes.plan.error
+        levels = _refine_rows(nodes, levels, allowed)
+        yield levels, allowed
+        fraction *= _TIGHTENING
+
+
+def _levels_in_time(
+    nodes: _Nodes, start: float, seconds: float
+) -> Iterator[tuple[Sequence[int], float]]:
+    """Yield levels of both rows, loads refined first, as long as their nodes end in the time of the plan.
+
+    Parameters
+    ----------
+    nodes : _Nodes
+        The nodes, of which those of the levels before are known.
+    start : float
+        Clock at the start [s].
+    seconds : float
+        Time of a node [s].
+    """
+    end = start + (nodes.plan.seconds or math.inf)
+    for attempt in range(2 * len(_ROW_STRIDES) - 1):
+        levels = attempt // 2, (attempt + 1) // 2
+        missing = nodes.count(levels) - len(nodes.results)
+        if attempt and time.monotonic() + (1.0 + _TIME_AFTER) * missing * seconds > end:
+            return
+        yield levels, _FIRST_FRACTION * nodes.plan.error
 
 
 def _drag_error(scene: "Scene", ranges: Mapping[str, tuple[float, float]], rolling: Array) -> float:
@@ -627,7 +697,7 @@ def _dataset(
     }
     for name, unit, over, text in _DRAG_VARIABLES:
         variables[f"drag_{name}"] = (over, drags[name], about(unit, text))
-    variables |= _bearing_variables(scene)
+    variables |= bearing_variables(scene)
     variables |= {
         f"{key.partition('.')[2]}_range": ("end", np.array(ends), about(unit, f"ends of {key}"))
         for (key, ends), unit in zip(plan.ranges.items(), _UNITS, strict=True)
@@ -671,39 +741,6 @@ def _dataset(
         },
     )
     return _with_steady_states(result, plan)
-
-
-def _bearing_variables(scene: "Scene") -> dict[str, Any]:
-    """Return radii, masses and inertias of the bearing, and the operation of the scene, as scalar variables."""
-    assembly = assemble(scene)
-    k = assembly.kinematics
-    o = scene.operation
-    Z = scene.bearing.rollers
-    m = assembly.roller_mass
-    rows = (
-        ("inner_radius", k.inner_radius, "m", "radius of the inner raceway"),
-        ("outer_radius", k.outer_radius, "m", "radius of the outer raceway"),
-        ("roller_radius", k.roller_radius, "m", "radius of a roller"),
-        ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
-        ("roller_mass", m, "kg", "mass of a roller"),
-        (
-            "orbital_inertia",
-            assembly.cage.inertia + Z * m * k.orbit_radius**2,
-            "kg m2",
-            "of cage and rollers",
-        ),
-        (
-            "spin_inertia",
-            Z * 0.5 * m * k.roller_radius**2,
-            "kg m2",
-            "of all rollers about themselves",
-        ),
-        ("first_load", o.radial_load, "N", "radial load of the scene"),
-        ("first_temperature", o.temperature, "K", "temperature of the scene"),
-        ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),
-        ("first_outer_speed", o.outer_speed, "rad/s", "speed of the outer ring of the scene"),
-    )
-    return {name: ((), float(value), about(unit, text)) for name, value, unit, text in rows}
 
 
 #: Name, unit and meaning of the variables of a steady state, in the order of the fields of `SteadyState`.

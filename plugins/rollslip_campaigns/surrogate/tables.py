@@ -19,15 +19,26 @@
 
 import math
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
 
-from rollslip.results.dataset import xr
+from rollslip.bearing.assembly import assemble
+from rollslip.results.dataset import about, xr
+from rollslip.scene.values import Scene
 from rollslip.search import Array
 
-__all__ = ["CAGE_SMALL", "REST", "Axis", "OperationTables", "SteadyState", "Tables", "weights"]
+__all__ = [
+    "CAGE_SMALL",
+    "REST",
+    "Axis",
+    "OperationTables",
+    "SteadyState",
+    "Tables",
+    "bearing_variables",
+    "weights",
+]
 
 #: Smallest rolling speed of a contact [m/s], combined with the rolling speed by the root of squares, as in study
 #: dynamics: a contact at rest has no film and no slide-roll ratio. Doubling it changes results near standstill only.
@@ -217,6 +228,39 @@ class Tables:
             contract(self.force),
             {name: np.tensordot(t, value, axes=1) for name, value in self.drags.items()},
         )
+
+
+def bearing_variables(scene: Scene) -> dict[str, Any]:
+    """Return radii, masses and inertias of the bearing, and the operation of the scene, as scalar variables."""
+    assembly = assemble(scene)
+    k = assembly.kinematics
+    o = scene.operation
+    Z = scene.bearing.rollers
+    m = assembly.roller_mass
+    rows = (
+        ("inner_radius", k.inner_radius, "m", "radius of the inner raceway"),
+        ("outer_radius", k.outer_radius, "m", "radius of the outer raceway"),
+        ("roller_radius", k.roller_radius, "m", "radius of a roller"),
+        ("orbit_radius", k.orbit_radius, "m", "radius of the orbit"),
+        ("roller_mass", m, "kg", "mass of a roller"),
+        (
+            "orbital_inertia",
+            assembly.cage.inertia + Z * m * k.orbit_radius**2,
+            "kg m2",
+            "of cage and rollers",
+        ),
+        (
+            "spin_inertia",
+            Z * 0.5 * m * k.roller_radius**2,
+            "kg m2",
+            "of all rollers about themselves",
+        ),
+        ("first_load", o.radial_load, "N", "radial load of the scene"),
+        ("first_temperature", o.temperature, "K", "temperature of the scene"),
+        ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),
+        ("first_outer_speed", o.outer_speed, "rad/s", "speed of the outer ring of the scene"),
+    )
+    return {name: ((), float(value), about(unit, text)) for name, value, unit, text in rows}
 
 
 @attrs.frozen(eq=False)
