@@ -32,8 +32,8 @@ from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
 from rollslip_studies.motion.torque_balance import (
-    Running,
     SkiddingOnset,
+    SteadyOperation,
     reserve,
     running,
     skidding_onset,
@@ -351,7 +351,7 @@ def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
     found = reserve(
         torque_balance(assemble(constant(0.5)), 1),
         SkiddingOnset(*away, max_torque=4.0),
-        Running(*runs),
+        SteadyOperation(*runs),
     )
     # a constant torque of 0.5 N m fades by 1/sqrt(1 + (1/w)^2)
     assert found.factor == pytest.approx(factor, nan_ok=True, rel=1e-4)

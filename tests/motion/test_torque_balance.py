@@ -14,8 +14,8 @@ from rollslip.results.text import Status
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import (
-    Running,
     SkiddingOnset,
+    SteadyOperation,
     TorqueBalance,
     describe_no_skidding,
     reserve,
@@ -54,7 +54,7 @@ NO_ONSET = SkiddingOnset(math.nan, math.nan, "no skidding")
 )
 def test_a_reserve_is_the_largest_torque_over_the_drag_at_the_same_slip(onset, drag, expected):
     found = reserve(
-        balance(drag, lambda slip: 30.0 * slip), onset, Running(0.05, 1.5, Status.FOUND)
+        balance(drag, lambda slip: 30.0 * slip), onset, SteadyOperation(0.05, 1.5, Status.FOUND)
     )
     assert found.factor == pytest.approx(expected, rel=1e-9)
     assert found.status == Status.FOUND
@@ -65,7 +65,9 @@ def test_a_smooth_maximum_between_the_points_of_a_curve_is_found():
         return 3.0 - math.log(slip / 0.0512) ** 2
 
     found = reserve(
-        balance(lambda _: -1.5, carried, points=12), NO_ONSET, Running(0.01, 0.1, Status.FOUND)
+        balance(lambda _: -1.5, carried, points=12),
+        NO_ONSET,
+        SteadyOperation(0.01, 0.1, Status.FOUND),
     )
     assert (found.factor, found.slip) == pytest.approx((2.0, 0.0512), rel=1e-9)
 
@@ -86,7 +88,7 @@ def test_the_reserve_to_skidding_is_not_below_that_to_a_slip_before_the_onset(
         return -(1.0 - fall * slip)
 
     away = SkiddingOnset(onset, carried(onset), "found")
-    found = reserve(balance(drag, carried), away, Running(1e-4, -drag(1e-4), Status.FOUND))
+    found = reserve(balance(drag, carried), away, SteadyOperation(1e-4, -drag(1e-4), Status.FOUND))
     assert found.factor >= max(carried(acceptable) / -drag(acceptable), 1.0) * (1.0 - 1e-4)
 
 
@@ -94,7 +96,9 @@ def test_the_reserve_to_skidding_is_not_below_that_to_a_slip_before_the_onset(
 def test_drags_that_nothing_carries_leave_what_is_carried_at_the_best_slip(slip):
     status = Status.NO_STEADY_SLIP if math.isnan(slip) else Status.FOUND
     found = reserve(
-        balance(lambda _: -4.0, lambda slip: 10.0 * slip), NO_ONSET, Running(slip, 4.0, status)
+        balance(lambda _: -4.0, lambda slip: 10.0 * slip),
+        NO_ONSET,
+        SteadyOperation(slip, 4.0, status),
     )
     assert found.factor == pytest.approx(0.5)
     assert found.status.startswith(Status.SKIDS)
@@ -104,7 +108,7 @@ def test_a_cage_that_rolling_resistance_alone_lets_skid_has_no_drag_at_the_onset
     found = reserve(
         balance(lambda _: 0.0, lambda slip: 10.0 * slip),
         SkiddingOnset(0.1, 1.0, "found"),
-        Running(0.3, 0.0, Status.FOUND),
+        SteadyOperation(0.3, 0.0, Status.FOUND),
     )
     assert found.factor == 0.0
     assert found.status.startswith(Status.SKIDS)
@@ -121,7 +125,7 @@ def test_a_cage_beyond_the_slip_of_skidding_has_a_reserve_of_1_at_most():
     found = reserve(
         balance(lambda _: -1.0, lambda slip: 10.0 * slip),
         NO_ONSET,
-        Running(0.21, 1.0, Status.FOUND),
+        SteadyOperation(0.21, 1.0, Status.FOUND),
     )
     assert found.factor == 1.0
     assert found.status.startswith(Status.SKIDS)
@@ -133,7 +137,9 @@ def test_a_cage_beyond_the_slip_of_skidding_has_a_reserve_of_1_at_most():
 def test_a_cage_that_skids_without_a_drag_has_no_reserve(slip, factor, begins):
     """Rolling resistance alone brakes it."""
     found = reserve(
-        balance(lambda _: 0.0, lambda slip: slip - 0.2), NO_ONSET, Running(slip, 0.0, Status.FOUND)
+        balance(lambda _: 0.0, lambda slip: slip - 0.2),
+        NO_ONSET,
+        SteadyOperation(slip, 0.0, Status.FOUND),
     )
     assert (found.factor, Status.of(found.status)) == (factor, begins)
 

@@ -20,7 +20,7 @@ from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.dynamics.termination import MeanSlip, steady_slip_of
 from rollslip_studies.motion.torque_balance import (
-    Running,
+    SteadyOperation,
     reserve,
     running,
     skidding_onset,
@@ -181,7 +181,7 @@ def test_a_steady_motion_has_a_reserve_to_skidding_and_a_verdict():
     assert found.attrs["steady_status"] == "steady"
     assert 0.01 < slip < 0.03
     balance = torque_balance(assemble(scene), 4)
-    runs = Running(slip, -balance.drag(slip), Status.FOUND)
+    runs = SteadyOperation(slip, -balance.drag(slip), Status.FOUND)
     expected = reserve(balance, skidding_onset(balance, 0.95, ""), runs).factor
     assert found.attrs["drag_reserve"] == pytest.approx(expected, rel=0.02)
     average = {"steady_status": "steady on average over 8 orbits", "steady_slip_error": 1e-3}

@@ -41,8 +41,8 @@ from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.torque_balance import (
     Reserve,
-    Running,
     SkiddingOnset,
+    SteadyOperation,
     TorqueBalance,
     reserve,
 )
@@ -362,7 +362,10 @@ def reserve_of(
     if math.isnan(slip) or balance is None:
         return Reserve(math.nan, "no slip is steady" if math.isnan(slip) else onset.status)
     return reserve(
-        balance, onset, Running(slip, -balance.drag(slip), Status.FOUND), study.skidding_range
+        balance,
+        onset,
+        SteadyOperation(slip, -balance.drag(slip), Status.FOUND),
+        study.skidding_range,
     )
 
 

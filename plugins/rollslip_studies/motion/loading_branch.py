@@ -98,8 +98,8 @@ class SearchTolerances:
     #: in four bearings by more than the errors, and the cost of finer positions is proportional; eight change them
     #: by up to 0.2 %.
     position_factor: int = 4
-    #: Loads of a Gauss rule that stand for the slices on finer positions. Four instead of eight change torques by
-    #: up to 5e-6, sixteen by less than 1e-11.
+    #: Loads of a Gauss rule that stand for the slices of a roller, in the search and on finer positions. Four instead
+    #: of eight change torques by up to 5e-6, sixteen by less than 1e-11.
     n_loads: int = 8
     #: Largest half width in logit(S) of the samples on finer positions. Half the value changes torques by up to
     #: 4e-6, twice the value by 4e-8; chosen, below half a step of the grid.

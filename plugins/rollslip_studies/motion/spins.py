@@ -69,12 +69,13 @@ Flags: TypeAlias = NDArray[np.bool_]
 CompiledCurve: TypeAlias = tuple[Array, tuple[float, float], float, Array, Array]
 
 
-#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + MIN_FILM_SPEED^2). Doubling it
-#: thickens films where a contact hardly rolls. Chosen, so that the film does not vanish there.
+#: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + MIN_FILM_SPEED^2). Half and
+#: twice the value change largest torques of 62 random bearings by up to 0.8 % and 2.5 %, because the film is
+#: thicker where a contact hardly rolls. Chosen, so that the film does not vanish there.
 MIN_FILM_SPEED: Final = 1e-3
-#: Load-weighted L1 distance of normalised roller slips from which on two motions are different ones. Neither
-#: half nor twice the value changes a result of 55 random bearings; chosen, 2 % of
-#: the distance from rolling on one ring to rolling on the other one.
+#: Load-weighted L1 distance of normalised roller slips from which on two motions are different ones. Neither half nor
+#: twice the value changes a result of 55 random bearings; chosen, 2 % of the distance from rolling on one ring to
+#: rolling on the other one.
 DISTINCT: Final = 0.02
 #: The same distance up to which a motion continues the motion at the previous slip, and up to which the result of
 #: Newton's method is the motion from which it started. Half the value, in both uses, splits branches where slips
@@ -89,11 +90,11 @@ CONTINUES: Final = 0.15
 #: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7; chosen, because it starts
 #: Newton's method only.
 _MARCH_LOADS: Final = 4
-#: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random
-#: bearings by up to 5e-7, sixteen by less than 1e-11.
+#: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random bearings by up to 5e-7,
+#: sixteen by less than 1e-11; chosen.
 _EULER_ORBITS: Final = 8
-#: Maximum number of orbits by differences of second order, where Newton's method failed. Neither
-#: half nor twice as many change a result of 55 random bearings; chosen, three times `_EULER_ORBITS`.
+#: Maximum number of orbits by differences of second order, where Newton's method failed. Neither half nor twice as many
+#: change a result of 55 random bearings; chosen, three times `_EULER_ORBITS`.
 _SECOND_ORDER_ORBITS: Final = 24
 #: Tolerance of the balance at a position, relative to the difference of roller slips of rolling on either ring.
 #: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
@@ -103,9 +104,9 @@ _BALANCE_TOLERANCE: Final = 1e-5
 #: doubles an error of 1e-12; chosen.
 _BALANCE_WITHOUT_INERTIA: Final = 1e-12
 #: Step of Newton's method, relative to the largest roller slip, at which a periodic motion is accepted, and tolerance
-#: of the balances in marches of second order. Half the
-#: value makes it fail near rounding, and changes a torque by 1.6e-3, where a march then replaces it; twice the
-#: value changes torques by less than 2e-7, because the convergence is quadratic; chosen.
+#: of the balances in marches of second order. Half the value makes it fail near rounding, and changes a torque by
+#: 1.6e-3, where a march then replaces it; twice the value changes torques by less than 2e-7, because the convergence is
+#: quadratic; chosen, above the rounding.
 _NEWTON_TOLERANCE: Final = 1e-7
 #: What a march of second order would still change, relative to the width of its search, up to which it counts as
 #: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `_NEWTON_TOLERANCE`. Neither half nor twice the
@@ -115,8 +116,8 @@ _SECOND_ORDER_TOLERANCE: Final = 100.0 * _NEWTON_TOLERANCE
 #: ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to 1e-10; chosen,
 #: below `DISTINCT`.
 _PERIODIC_TOLERANCE: Final = 1e-3
-#: Relative discretisation error of implicit Euler up to which a motion counts as converged. Neither
-#: half nor twice the value changes a result of 55 random bearings; chosen.
+#: Relative discretisation error of implicit Euler, or of the moments of neighbours, up to which a motion counts as
+#: converged. Neither half nor twice the value changes a result of 62 random bearings; chosen.
 _MAX_ERROR: Final = 1e-2
 
 # Scales and bounds of roller slips.
@@ -144,8 +145,8 @@ _ZERO_TORQUE: Final = 1e-12
 #: value, and no status is success.
 _NO_BALANCE: Final = "lost"
 #: First step by which the upper start of a march with resistance is above rolling, over the distance of rolling on
-#: either ring. Neither half nor twice
-#: the value changes torques of 62 random bearings by more than 2e-14; chosen, so that the start is clearly outside.
+#: either ring. Neither half nor twice the value changes torques of 62 random bearings by more than 2e-14; chosen, so
+#: that the start is clearly outside.
 _START_WIDTH_FRACTION: Final = 0.25
 #: Further first step, over the largest roller slip without cage slip. Neither half nor twice the value changes
 #: torques of 62 random bearings by more than 3e-16; chosen, more than 1, because rollers slip more with a cage slip.
@@ -165,7 +166,7 @@ _MAX_MOMENT_ITERATIONS: Final = 40
 #: Number of steps that do not decrease after which the spin counts as alternating between balances, so that the
 #: iteration ends, and number of iterations whose range of torques is then the error. Half and twice as many change
 #: torques by up to 2 %, and cost 9 % less and 22 % more; chosen.
-_N_AVERAGED: Final = 8
+_MAX_STALLED_STEPS: Final = 8
 #: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
 #: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
 #: below 1 so that slow convergence counts, too.
@@ -757,9 +758,9 @@ class Motions:
         """Moments (n, K) by which neighbours brake the spins [N m], and the error they leave of the torque, (n,).
 
         It is a fixed-point iteration with a step of its own at each slip, full at first, and 1/(1 + n) of that after n
-        steps that were not smaller than the ones before. Then the spin alternates between balances, and such steps tend
-        to the mean of their moments (method of successive averages). After `_N_AVERAGED` of them the iteration ends;
-        the error is the range of the torque in the last ones, relative to its mean size along the orbit.
+        steps that hardly decreased. Then the spin alternates between balances, and such steps tend to the mean of their
+        moments (method of successive averages). After `_MAX_STALLED_STEPS` of them the iteration ends; the error is the
+        range of the torque in the last ones, relative to its mean size along the orbit.
         """
         brakes = np.zeros((slips.size, self.positions))
         errors = np.zeros(slips.size)
@@ -784,10 +785,10 @@ class Motions:
             brakes[rows] = current
             torques.append(np.full(slips.size, np.nan))
             torques[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
-            errors[rows] = np.ptp(torques[-_N_AVERAGED:], axis=0)[rows]
+            errors[rows] = np.ptp(torques[-_MAX_STALLED_STEPS:], axis=0)[rows]
             is_converged = size <= _MOMENT_TOLERANCE * current.max(axis=1)
             errors[rows[is_converged]] = 0.0
-            is_done = is_converged | (n_stalled[rows] >= _N_AVERAGED)
+            is_done = is_converged | (n_stalled[rows] >= _MAX_STALLED_STEPS)
             if is_done.all():
                 break
             if is_done.any():

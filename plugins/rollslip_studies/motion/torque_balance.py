@@ -10,8 +10,9 @@
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
   moves it along the orbit, and < > the mean over the orbit. T drives the cage.
 - Of several periodic motions the one of the loading branch is taken, in which rollers are while the drag is raised
-  from zero: `motion.spins` finds motions, `motion.loading_branch` their order. The result does not depend on earlier
-  calls.
+  from zero: `motion.spins` finds motions, `motion.loading_branch` their order. Torques at several slips follow the
+  branch from one of these slips to the next, so that at slips with several motions they are those of the slips that are
+  requested together. They do not depend on earlier calls.
 - The loads are solved again at every slip, because centrifugal forces are proportional to the square of the cage speed.
 """
 
@@ -32,7 +33,7 @@ from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.text import Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
-from rollslip_studies.motion.loading_branch import LoadingBranch, find_loading_branch
+from rollslip_studies.motion.loading_branch import SEARCH, LoadingBranch, find_loading_branch
 from rollslip_studies.motion.spins import (
     ConventionalFriction,
     Motion,
@@ -40,11 +41,6 @@ from rollslip_studies.motion.spins import (
     logit_slip,
     slip_from_logit,
 )
-
-#: Number of loads that stand for the slices of a roller in the search for the loading branch. Four instead of eight
-#: change largest torques of 79 random bearings by up to 5e-6, sixteen by less than 1e-11.
-_N_LOADS: Final = 8
-
 
 # The time of a loading branch is estimated from that of some of its slips.
 
@@ -76,6 +72,10 @@ _CHECKED_SLIPS: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
 #: Doubling it would never compare both frictions; half of the limit drag is twice the largest error, 23 %
 #: (docs/tables/skidding_effective_summary.csv).
 _FAR: Final = 0.5
+#: Tolerance of effective friction curves in a torque balance, over that of other tables. Half and twice the value
+#: change largest torques of eight bearings by up to 6e-6, and cost 1 % less and 15 % less; chosen, so that the error of
+#: a curve does not count beside that of effective friction.
+_CURVE_TOLERANCE_FRACTION: Final = 0.1
 #: Slip from which on the cage hardly turns, so that no larger range is proposed. Chosen, just below `RANGE`.
 _NEARLY_STILL: Final = 0.94
 #: Largest slip of a loading branch unless a larger range is requested: there the cage nearly stands still. Chosen;
@@ -92,11 +92,9 @@ class CageTorques(Protocol):
 
     def torques(self, cage_slips: Array) -> Array:
         """Return the torques of the rollers at several cage slips [N m], (n,), positive where they drive."""
-        ...
 
     def drag(self, cage_slip: float) -> float:
         """Return the torque of all drags at a cage slip [N m], negative where it resists."""
-        ...
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -108,7 +106,8 @@ class Orbit:
     roller_slip: Array  # S_r at the positions of the orbit, in its sense, (K,)
     force: Array  # normal force of inner and outer contact [N], (2, K)
     traction: Array  # of inner and outer contact [N], (2, K), positive where it drives
-    #: Floquet's multiplier of the spin: the motion is stable if it is below 1 in size.
+    #: Floquet's multiplier of the spin: the motion is stable if it is below 1 in size. Whether a steady slip is stable
+    #: is decided by it and by the slope of the excess torque: `steady_slip.slip_drag.describe_stability`.
     multiplier: float
     #: Moments by which neighbours brake the spin, without a cage [N m], (K,).
     brakes: Array | None = None
@@ -139,18 +138,16 @@ class TorqueBalance:
         self.inertia = inertia
         self._orbits: dict[float, Orbit] = {}
         self._branches: dict[float, LoadingBranch] = {}
-        friction = drags.pocket_friction
-        self._pocket = 0.0 if friction is None else friction.coefficient
-        self._rubbing = assembly.scene.models.neighbour_friction or 0.0
 
     @cached_property
     def motions(self) -> Motions:
         """Motions of the rollers on all slices, their loads solved at every slip."""
+        friction = self.drags.pocket_friction
         return Motions(
             self.assembly,
             self.n_positions,
-            pocket=self._pocket,
-            rubbing=self._rubbing,
+            pocket=0.0 if friction is None else friction.coefficient,
+            rubbing=self.assembly.scene.models.neighbour_friction or 0.0,
             effective=self.effective,
             inertia=self.inertia,
             similar=None if self._similar is None else self._similar.motions,
@@ -159,7 +156,7 @@ class TorqueBalance:
     @cached_property
     def _reduced_motions(self) -> Motions:
         """Motions by a few loads of a roller, which stand for its slices."""
-        return self.motions.with_resolution(self.n_positions, _N_LOADS)
+        return self.motions.with_resolution(self.n_positions, SEARCH.n_loads)
 
     def loading_branch(self, max_slip: float = RANGE) -> LoadingBranch:
         """Return the loading branch up to a largest cage slip; see `find_loading_branch`."""
@@ -170,18 +167,22 @@ class TorqueBalance:
         return self._branches[max_slip]
 
     def seconds(self, max_slip: float = RANGE) -> float:
-        """Return an estimate of the processor time [s] of the loading branch, from that of some of its slips."""
+        """Return an estimate of the processor time [s] of the loading branch up to a cage slip.
+
+        It is the measured time of loads and contacts, and a multiple of that of the motions at some slips. Where a law
+        has no value at one of these the branch ends early, so that the time is that of half the range.
+        """
         start = time.process_time()
         motions = self._reduced_motions
         loaded = time.process_time()
         logits = np.linspace(_COST_LOWEST_LOGIT, logit_slip(max_slip), _COST_SLIPS)
         try:
             motions.find(np.array([slip_from_logit(logit) for logit in logits.tolist()]))
-        except DomainError:  # at the end of the range a law has no value
+        except DomainError:
             if max_slip < _COST_MIN_RANGE:
                 raise
             return self.seconds(0.5 * max_slip)
-        ratio = _COST_WHOLE * (_COST_NEIGHBOURS if self._rubbing else 1.0)
+        ratio = _COST_WHOLE * (_COST_NEIGHBOURS if motions.rubbing else 1.0)
         return loaded - start + ratio * (time.process_time() - loaded)
 
     def has_several_motions(self, slip: float) -> bool:
@@ -254,12 +255,16 @@ class TorqueBalance:
         return torques
 
     def _find_on_branch(self, motions: Motions, slips: Array) -> list[Motion]:
-        """The motions of the loading branch at ascending slips, (n,)."""
+        """The motions of the loading branch at ascending slips, (n,).
+
+        Where rollers have several motions they are marched from the motion at the previous one of these slips, and at
+        the first slip from the motion of the branch below.
+        """
         found = list[Motion]()
         for slip, candidates in zip(slips.tolist(), motions.find(slips), strict=True):
             if not _is_unique(candidates):
-                below = found[-1:] or [self.loading_branch(max(RANGE, slip)).motion_below(slip)]
-                candidates = motions.find_from([slip], below[0])
+                starts = found[-1:] or [self.loading_branch(max(RANGE, slip)).motion_below(slip)]
+                candidates = motions.find_from([slip], starts[0])
             found.append(candidates[0])
         return found
 
@@ -292,7 +297,8 @@ class TorqueBalance:
     def forces(self, orbit: Orbit) -> tuple[Array, Array, Array]:
         """Return tractions and resistances of both contacts [N], (2, K), and torques on the cage [N m], (K,).
 
-        They have the signs of the kinematics, whatever the sense of the orbit.
+        They have the signs of the kinematics, whatever the sense of the orbit. Torques follow from forces alone: of the
+        compiled spins only radii, pockets and brakes by neighbours are used, and no contact is evaluated.
         """
         tractions, resistances = self._forces(
             orbit.cage_slip, orbit.roller_slip, self.contacts(orbit.cage_slip)
@@ -394,16 +400,15 @@ class SkiddingOnset:
     slip: float  # NaN where ``status`` says why
     drag: float  # [N m], NaN likewise
     status: str  # begins with a member of `Status`
-    slip_after: float = (
-        math.nan
-    )  # slip to which the cage jumps, NaN if none in the range carries the drag
+    #: Slip to which the cage jumps, NaN if none in the range carries the drag.
+    slip_after: float = math.nan
     error: float = math.nan  # of the drag, relative
     max_torque: float = math.nan  # largest torque of the loading branch [N m]
     max_torque_slip: float = math.nan  # its slip
 
 
 @attrs.frozen
-class Running:
+class SteadyOperation:
     """The smallest cage slip at which rollers carry the drags of a scene."""
 
     slip: float  # NaN where ``status`` says why
@@ -469,7 +474,7 @@ def describe_no_skidding(branch: LoadingBranch, range_key: str) -> str:
     )
 
 
-def running(balance: TorqueBalance, max_slip: float = RANGE) -> Running:
+def running(balance: TorqueBalance, max_slip: float = RANGE) -> SteadyOperation:
     """Return the smallest cage slip at which the rollers of a bearing carry the drags of its scene.
 
     Without any drag it is zero, and it is negative where the cage is driven beyond its epicyclic speed.
@@ -482,22 +487,22 @@ def running(balance: TorqueBalance, max_slip: float = RANGE) -> Running:
         Largest cage slip.
     """
     if balance.rolls_freely:
-        return Running(0.0, 0.0, Status.FOUND)
+        return SteadyOperation(0.0, 0.0, Status.FOUND)
     try:
         branch = balance.loading_branch(max_slip)
         steady = next(iter(branch.find_steady_motions(balance.drag)), None)
     except (DomainError, ConvergenceError) as error:
-        return Running(
+        return SteadyOperation(
             math.nan, math.nan, f"{Status.NOT_KNOWN} at which slip the cage runs: {error}"
         )
     if steady is not None:
-        return Running(steady.slip, steady.torque, Status.FOUND)
+        return SteadyOperation(steady.slip, steady.torque, Status.FOUND)
     if branch.torque_without_slip + balance.drag(0.0) > 0.0:
-        return Running(
+        return SteadyOperation(
             math.nan, math.nan, f"{Status.DRIVEN}: it runs at more than twice its epicyclic speed"
         )
     slip, torque = branch.maximum
-    return Running(
+    return SteadyOperation(
         math.nan,
         math.nan,
         f"{Status.NO_STEADY_SLIP} up to {branch.end:.4g}: where the rollers carry most, "
@@ -516,13 +521,20 @@ class Reserve:
 
 
 def reserve(
-    balance: TorqueBalance, onset: SkiddingOnset, runs: Running, max_slip: float = RANGE
+    balance: TorqueBalance,
+    onset: SkiddingOnset,
+    operation: SteadyOperation,
+    max_slip: float = RANGE,
 ) -> Reserve:
     """Return the drag reserve to skidding: the largest torque of the rollers over the drags at the same slip.
 
     It is the factor on all drags at which the cage skids: at the onset of skidding, or at `SKIDDING_SLIP`, whatever
-    comes first on the loading branch; a lower bound where the branch ends before. It is at least 1 where the cage runs
-    below, and at most 1 elsewhere.
+    comes first on the loading branch. Status and factor are
+
+    - `AT_LEAST` and infinite, where the cage is driven, or runs below `SKIDDING_SLIP` without a drag;
+    - those of what is unknown and NaN, where the slip of the cage or the branch is;
+    - `FOUND` and at least 1, where the cage runs before skidding, or `AT_LEAST` where the branch ends before that;
+    - `SKIDS` and at most 1 elsewhere.
 
     Parameters
     ----------
@@ -530,20 +542,20 @@ def reserve(
         Of the bearing.
     onset : SkiddingOnset
         Of the same bearing.
-    runs : Running
+    operation : SteadyOperation
         Where the cage runs.
     max_slip : float
         Largest cage slip.
     """
-    is_found = runs.status == Status.FOUND
-    outcome = Status.FOUND if is_found else Status.of(runs.status)
+    is_found = operation.status == Status.FOUND
+    outcome = Status.FOUND if is_found else Status.of(operation.status)
     if outcome is Status.DRIVEN:
-        return Reserve(math.inf, f"{Status.AT_LEAST}: {runs.status}")
+        return Reserve(math.inf, f"{Status.AT_LEAST}: {operation.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
-        return Reserve(math.nan, runs.status)
-    is_driven = runs.slip < 0.0
-    is_dragged = (-balance.drag(0.0) if is_driven else runs.drag) > 0.0
-    if is_found and not is_dragged and not runs.slip > SKIDDING_SLIP:
+        return Reserve(math.nan, operation.status)
+    is_driven = operation.slip < 0.0
+    drag = -balance.drag(0.0) if is_driven else operation.drag
+    if is_found and not drag > 0.0 and not operation.slip > SKIDDING_SLIP:
         where = " without slip" if is_driven else ""
         return Reserve(math.inf, f"{Status.AT_LEAST}: no torque drags the cage{where}")
     try:
@@ -554,15 +566,15 @@ def reserve(
     factor, slip = largest_ratio(balance, slips, torques, limit)
     if onset.slip <= limit:  # an end of the branch is no slip of a smooth curve
         factor, slip = max((factor, slip), (_ratio(balance, onset.slip, onset.drag), onset.slip))
-    if is_found and runs.slip <= limit:
-        status: str = Status.FOUND
-        if slips[-1] < limit:
-            status = f"{Status.AT_LEAST}: no skidding up to a slip of {slips[-1]:.4g}"
+    if not (is_found and operation.slip <= limit):
+        status = (
+            f"{Status.SKIDS}: its drags, or the rolling resistance, are more than the rollers carry"
+        )
+        return Reserve(min(factor, 1.0), status, slip)
+    if slips[-1] < limit:
+        status = f"{Status.AT_LEAST}: no skidding up to a slip of {slips[-1]:.4g}"
         return Reserve(max(factor, 1.0), status, slip)
-    status = (
-        f"{Status.SKIDS}: its drags, or the rolling resistance, are more than the rollers carry"
-    )
-    return Reserve(min(factor, 1.0), status, slip)
+    return Reserve(max(factor, 1.0), Status.FOUND, slip)
 
 
 def largest_ratio(
@@ -608,9 +620,9 @@ def describe_near_skidding(assembly: Assembly, slip: float) -> str:
     """Return a warning on effective friction where a cage is near skidding; empty where it is far from it.
 
     The relative error of effective friction is that of its limit drag. The cage is near skidding where the drag that it
-    carries at the slip is less than twice that error below the smaller limit drag of both frictions. Where the drag is
-    less than half the limit drag, effective friction is not evaluated: its error is at most 23 %
-    (docs/tables/skidding_effective_summary.csv).
+    carries at the slip is less than twice that error below the smaller limit drag of both frictions; where only one of
+    them lets it skid, at any drag. Where the drag is less than half the limit drag, effective friction is not
+    evaluated: its error is at most 23 % (docs/tables/skidding_effective_summary.csv).
 
     Parameters
     ----------
@@ -625,18 +637,18 @@ def describe_near_skidding(assembly: Assembly, slip: float) -> str:
     if slip < conventional.slip and carried < _FAR * conventional.drag:
         return ""
     effective = skidding_onset(torque_balance(assembly, 1, effective=True), RANGE, "")
-    known = [onset for onset in (conventional, effective) if not math.isnan(onset.slip)]
-    if not known:
+    onsets = [onset for onset in (conventional, effective) if not math.isnan(onset.slip)]
+    if not onsets:
         return ""
-    error = abs(effective.drag / conventional.drag - 1.0) if len(known) == 2 else math.inf
-    first = min(known, key=lambda onset: onset.drag)
-    if slip < first.slip and carried < (1.0 - 2.0 * min(error, 0.5)) * first.drag:
+    error = abs(effective.drag / conventional.drag - 1.0) if len(onsets) == 2 else math.inf
+    first = min(onsets, key=lambda onset: onset.drag)
+    if slip < first.slip and carried < (1.0 - min(2.0 * error, 1.0)) * first.drag:
         return ""
     where = (
         f"with a cage slip of {100.0 * slip:.3g} % the cage is near skidding, which begins at "
-        f"{100.0 * known[0].slip:.3g} %"
+        f"{100.0 * onsets[0].slip:.3g} %"
     )
-    if len(known) < 2:
+    if len(onsets) < 2:
         return f"{where}, and it does so by one of both frictions alone"
     return f"{where}, where effective friction is off by {100.0 * error:.2g} % of the drag"
 
@@ -652,9 +664,9 @@ def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveTab
         Roller positions within a pitch.
     """
     loads = assembly.load_distribution(n_positions)
-    tolerance = assembly.resolution.table_tolerance
+    tolerance = _CURVE_TOLERANCE_FRACTION * assembly.resolution.table_tolerance
 
     def tabulate(raceway: Raceway, load: Array) -> EffectiveTable:
-        return effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance)
+        return effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), tolerance)
 
     return tabulate(assembly.inner, loads.inner_load), tabulate(assembly.outer, loads.outer_load)
