@@ -766,8 +766,8 @@ def find_loading_branch(motions: Motions, max_slip: float, full_motions: Motions
             "there is no slip to report; it converges where more load is on the rollers: raise operation.radial_load"
         )
     if branch[-1].slip < slips[-1]:
-        unconverged = "the search for the motion of the rollers does not converge"
-        refusal = f"{unconverged}; further on, {refusal}" if refusal else unconverged
+        reasons = "the search for the motion of the rollers does not converge", refusal
+        refusal = "; further on, ".join(filter(None, reasons))
     torque_without_slip = 0.0
     if motions.resists:
         torque_without_slip = full_motions.find(np.zeros(1), np.zeros(1))[0][0].torque

@@ -38,7 +38,7 @@ Y. Sheffi, Urban Transportation Networks (1985), chapter 12: method of successiv
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Final, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 import attrs
 import numpy as np
@@ -61,7 +61,6 @@ from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -192,11 +191,30 @@ class ConventionalFriction:
         return traction, resistance * rolling / film
 
 
+class TabulatedFriction(Protocol):
+    """Friction over the sliding speed V, tabulated over V/(|V| + V_s), such as `effective_table.EffectiveTable`."""
+
+    @property
+    def nodes(self) -> Array:
+        """Friction and its slope times the width of a cell, (N, 2)."""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """V/(|V| + V_s) of the first and the last node."""
+
+    @property
+    def sliding_scale(self) -> float:
+        """V_s [m/s]."""
+
+    def friction(self, sliding: Array) -> Array:
+        """Return friction coefficients at sliding speeds [m/s]."""
+
+
 class EffectiveFriction:
     """Effective friction of one ring times the normal force, rolling resistance as without slip."""
 
     def __init__(
-        self, table: EffectiveTable, friction: ConventionalFriction, rolling: float
+        self, table: TabulatedFriction, friction: ConventionalFriction, rolling: float
     ) -> None:
         self._table = table
         self._force = friction.contacts.per_roller(friction.contacts.force)
@@ -337,7 +355,7 @@ class Motions:
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # coefficient of friction of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
-        effective: tuple[EffectiveTable, EffectiveTable] | None = None,
+        effective: tuple[TabulatedFriction, TabulatedFriction] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
         n_loads: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
         # Motions of the same bearing, or of one nearly alike, which know the slip of its rollers without cage slip.
@@ -559,7 +577,8 @@ class Motions:
     ) -> _March:
         """March rollers round the orbit by implicit Euler, from two roller slips each (n, 2), by default the bounds.
 
-        Other torques than those of the loads of a march may be given as ``spins``, and other widths of the search.
+        Other torques than those of the loads of a march may be given as ``spins``, and as ``widths`` (n,) other roller
+        slips, to which steps and tolerances are relative, than those of rolling on either ring.
         """
         if spins is None:
             spins = self.spins(slips, self._march_loads, brakes)
@@ -570,7 +589,7 @@ class Motions:
             self.positions,
             self._inertia_torque * np.abs(1.0 - slips),
             self._rolling_slips(slips),
-            self._march_widths(slips) if widths is None else widths,
+            self.slip_scale(slips) * (1.0 - self._inner_ratio) if widths is None else widths,
             starts,
             _EULER_ORBITS,
             _BALANCE_TOLERANCE if self._inertia_torque else _BALANCE_WITHOUT_INERTIA,
@@ -581,10 +600,6 @@ class Motions:
                 "the march of the rollers round the orbit finds no balance of their torques"
             )
         return _March(roller_slips, agree, orbit_changes)
-
-    def _march_widths(self, slips: Array) -> Array:
-        """Widths of the search for balances, in roller slips, (n,)."""
-        return self.slip_scale(slips) * (1.0 - self._inner_ratio)
 
     def find(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
         """Return the motions at cage slips: one each, or the two between which all others lie.
@@ -719,7 +734,7 @@ class Motions:
             self.positions,
             inertia,
             self._rolling_slips(slips)[rows],
-            self._march_widths(slips)[rows],
+            scale * (1.0 - self._inner_ratio),
             np.repeat(marched[:, :1], 2, axis=1),
             _SECOND_ORDER_ORBITS,
             _NEWTON_TOLERANCE,

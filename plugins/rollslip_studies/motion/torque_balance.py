@@ -187,12 +187,11 @@ class TorqueBalance:
 
     def has_several_motions(self, slip: float) -> bool:
         """Whether rollers have several motions at a cage slip, or none that converges, so that the branch decides."""
-        if self.rolls_freely:
-            return False
-        try:
-            return not _is_unique(self._reduced_motions.find(np.array([slip]))[0])
-        except DomainError:
-            return False
+        with contextlib.suppress(DomainError):
+            return not (
+                self.rolls_freely or _is_unique(self._reduced_motions.find(np.array([slip]))[0])
+            )
+        return False
 
     @property
     def rolls_freely(self) -> bool:
@@ -547,8 +546,8 @@ def reserve(
     max_slip : float
         Largest cage slip.
     """
-    is_found = operation.status == Status.FOUND
-    outcome = Status.FOUND if is_found else Status.of(operation.status)
+    outcome = Status.of(operation.status)
+    is_found = outcome is Status.FOUND
     if outcome is Status.DRIVEN:
         return Reserve(math.inf, f"{Status.AT_LEAST}: {operation.status}")
     if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
