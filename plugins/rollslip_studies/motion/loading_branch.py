@@ -28,6 +28,11 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 
 The slips are chosen by the bearing and the range alone, so that the result does not depend on earlier calls.
 Roots are found by regula falsi (Illinois) and secants, `rollslip.search`.
+
+References
+----------
+M. Dowell, P. Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 11 (1971) 168-174.
+R. Seydel, Practical Bifurcation and Stability Analysis, 3rd ed. (2010): folds and imperfect pitchforks.
 """
 
 import itertools
