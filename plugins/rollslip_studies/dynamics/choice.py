@@ -42,7 +42,7 @@ Solving Ordinary Differential Equations I, chapter II.
 
 import itertools
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Final, Protocol
 
@@ -107,9 +107,9 @@ _MAX_TRIAL_TOLERANCE: Final = 1e-3
 #: Orbits of the cage over which levels are compared. Doubled, the trial at level pocket takes twice as long and
 #: sees slower drifts of the mean. Chosen: the first orbit contains the start.
 _TRIAL_ORBITS: Final = 3
-#: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. With fewer,
-#: oscillations of the cage with more than half as many periods an orbit alias into the mean. It must exceed the last of
-#: `_TRIAL_CHECKS`. Chosen; samples cost nothing beside the steps.
+#: Samples of an orbit for its mean speed, and of the whole duration for the comparison of frictions. They protect the
+#: mean from aliasing: oscillations of the cage with more than 32 periods an orbit are not resolved. Doubled, those
+#: twice as fast are. It must exceed the last of `_TRIAL_CHECKS`. Chosen; samples cost nothing beside the steps.
 _TRIAL_SAMPLES: Final = 64
 #: Samples, of `_TRIAL_SAMPLES`, after which frictions are compared before the trial goes on: at 1/16, 1/8, 1/4 and 1/2.
 #: Each check may save the rest of the trial, and costs one restart of the integrator.
@@ -158,7 +158,7 @@ _STEP_TRIAL_DURATION: Final = 5e-3
 #: Usual step tolerance: that of the trial, the largest that is chosen, and the default of the study. Larger steps
 #: are not known to be right where a contact opens; at this one leapfrog takes its largest step, and the force on
 #: pockets is within 1 % (docs/trust/dynamics.rst).
-_USUAL_TOLERANCE: Final = 1e-5
+USUAL_TOLERANCE: Final = 1e-5
 #: Tolerance of the reference solution over the usual one. Doubled, the reference takes 13 % fewer steps (order 5).
 #: Chosen: the error of the reference is then negligible against that of the trial.
 _REFERENCE_RATIO: Final = 1e-3
@@ -173,9 +173,10 @@ _DIVERGENCE_SAMPLES: Final = 16
 #: Evaluations of the rates after which no further piece begins: some seconds. Doubled, more of the orbit is seen,
 #: and a plan may take twice as long. Chosen.
 _MAX_EVALUATIONS: Final = 200_000
-#: Largest divergence that other motions may have over that of the trial motions. Halved, the reported error is less
-#: than the true one in 9 of the 60 scenes of tools/references/motions_by_scipy.csv at levels pocket and planar;
-#: with 2 only in some of the five whose reference solutions diverge themselves (0.7 to 1.7 times the error).
+#: Factor from the largest divergence of the trial motions to the reported error, because other motions may diverge
+#: more. Halved, the reported error is less than the true one in 9 of the 60 scenes of
+#: tools/references/motions_by_scipy.csv at levels pocket and planar; with 2 only in some of the five whose reference
+#: solutions diverge themselves (by 0.7 to 1.7 times the error). Doubled, all reported errors double.
 _SAFETY_FACTOR: Final = 2.0
 #: Samples of a history for the largest speeds without slip. Halved, a short peak may be missed. Chosen.
 _SPEED_SAMPLES: Final = 256
@@ -271,7 +272,7 @@ def with_coarse_slices(assembly: Assembly) -> Assembly:
     )
 
 
-def error_accumulation(study: MotionStudy, coarse: Assembly, span: float) -> float:
+def error_accumulation(study: MotionStudy, coarse: Assembly, short_duration: float) -> float:
     """Return the error of the cage speed over a whole motion, relative to the error over a short time.
 
     Each interval adds an error, and the drive of the cage lets it decay. With g(t) the fraction of an error that is
@@ -285,7 +286,7 @@ def error_accumulation(study: MotionStudy, coarse: Assembly, span: float) -> flo
         The study, without a history.
     coarse : Assembly
         The bearing with the resolution of trial motions.
-    span : float
+    short_duration : float
         The short time [s].
 
     Returns
@@ -302,14 +303,14 @@ def error_accumulation(study: MotionStudy, coarse: Assembly, span: float) -> flo
     tolerance = _DECAY_TOLERANCE_RATIO * _SLIP_DIFFERENCE
     speeds = []
     for slip in (study.cage_slip, study.cage_slip + _SLIP_DIFFERENCE):
-        found = cage_set.with_settings(cage_slip=slip).trial_motion(moving, times, tolerance)
-        if found.outcome != "finished":
-            return study.duration / span
-        speeds.append(np.asarray(moving.split(found.y)["cage_speed"]))
+        motion = cage_set.with_settings(cage_slip=slip).trial_motion(moving, times, tolerance)
+        if motion.outcome != "finished":
+            return study.duration / short_duration
+        speeds.append(np.asarray(moving.split(motion.y)["cage_speed"]))
     decay = np.abs(speeds[1] - speeds[0]) / abs(speeds[1][0] - speeds[0][0])
     later = (study.duration - end) * float(decay[-_DECAY_SAMPLES // 4 :].max())
     integral = min(study.duration, float(np.trapezoid(decay, times)) + later)
-    return max(1.0, integral / span)
+    return max(1.0, integral / short_duration)
 
 
 def choose_motion(study: MotionStudy, assembly: Assembly, named: Collection[str]) -> MotionChoice:
@@ -334,12 +335,17 @@ def choose_motion(study: MotionStudy, assembly: Assembly, named: Collection[str]
         )
     study = study.with_settings(film_limit=0.0)  # an event, which does not change the motion
     trials = _Trials(assembly)
+    choosers: dict[str, Callable[[MotionStudy], Choice]] = {
+        "level": trials.level,
+        "friction": trials.friction,
+        "integrator": trials.integrator,
+    }
     settings = dict[str, Any]()
     reasons = dict[str, str]()
     errors = dict[str, Mapping[str, float]]()
     for name in unnamed:
         try:
-            choice: Choice = getattr(trials, name)(study.with_settings(**settings))
+            choice = choosers[name](study.with_settings(**settings))
         except RollslipError as error:
             choice = Choice(
                 FALLBACKS[name] or getattr(study, name),
@@ -382,20 +388,20 @@ class _Trials:
         moving = self.moving(study)
         requested = self.assembly.scene.accuracy.of("cage_speed")
         tolerance = min(_TRIAL_TOLERANCE_RATIO * requested, _MAX_TRIAL_TOLERANCE)
-        found = study.trial_motion(moving, times, tolerance, before)
-        if found.outcome != "finished":
+        motion = study.trial_motion(moving, times, tolerance, before)
+        if motion.outcome != "finished":
             raise ConvergenceError(
-                f"{study.friction} friction at level {study.level}: {found.message}"
+                f"{study.friction} friction at level {study.level}: {motion.message}"
             )
-        speeds = moving.split(found.y)["cage_speed"] / self.coarse.kinematics.epicyclic_cage_speed
-        return np.asarray(speeds), found
+        speeds = moving.split(motion.y)["cage_speed"] / self.coarse.kinematics.epicyclic_cage_speed
+        return np.asarray(speeds), motion
 
     def level(self, study: MotionStudy) -> Choice:
         """Choose cage-set if play in the pockets does not change the mean slip of the cage in any orbit."""
         speed = abs(self.coarse.kinematics.epicyclic_cage_speed)
         orbits = int(min(study.duration * speed / (2.0 * math.pi), _TRIAL_ORBITS))
-        span = orbits * 2.0 * math.pi / speed if orbits else study.duration
-        times = np.linspace(0.0, span, max(orbits, 1) * _TRIAL_SAMPLES + 1)
+        end = orbits * 2.0 * math.pi / speed if orbits else study.duration
+        times = np.linspace(0.0, end, max(orbits, 1) * _TRIAL_SAMPLES + 1)
         friction = "constant" if study.friction == "constant" else "effective"
         cage_set, pocket = (
             1.0
@@ -405,7 +411,7 @@ class _Trials:
         means = [slip.reshape(-1, _TRIAL_SAMPLES).mean(axis=1) for slip in (cage_set, pocket)]
         errors = _slip_errors(*means)
         allowed = _LEVEL_FRACTION * self.slip_tolerance
-        found = (
+        change = (
             "play in the pockets changes the mean slip of the cage by up to "
             f"{100.0 * errors['cage_slip']:.2g} % of it (and lets it oscillate by {np.ptp(pocket - cage_set):.1e})"
         )
@@ -414,8 +420,8 @@ class _Trials:
             "its masses"
         )
         if errors["cage_slip"] <= allowed:
-            return Choice("cage-set", f"{found}, less than {limit}", errors)
-        return Choice("pocket", f"{found}, more than {limit}")
+            return Choice("cage-set", f"{change}, less than {limit}", errors)
+        return Choice("pocket", f"{change}, more than {limit}")
 
     def friction(self, study: MotionStudy) -> Choice:
         """Choose effective friction if it saves time, gives the same cage slip, and the cage is not near skidding.
@@ -428,40 +434,45 @@ class _Trials:
                 "conventional", "a table of it takes hardly longer than effective friction"
             )
         allowed = min(_FRICTION_FRACTION * self.slip_tolerance, _MAX_FRICTION_DIFFERENCE)
-        reference = simplified = None
+        conventional_motion = effective_motion = None
         errors = dict[str, float]()
         max_slip = 0.0
         times = np.linspace(0.0, study.duration, _TRIAL_SAMPLES + 1)[1:]
         for interval in np.split(times, _TRIAL_CHECKS):
-            reference_speed, reference = self.cage_speeds(
-                conventional.with_settings(level="cage-set"), interval, reference
+            # both motions go on from where they ended in the interval before
+            conventional_speed, conventional_motion = self.cage_speeds(
+                conventional.with_settings(level="cage-set"), interval, conventional_motion
             )
-            simplified_speed, simplified = self.cage_speeds(
-                study.with_settings(friction="effective", level="cage-set"), interval, simplified
+            effective_speed, effective_motion = self.cage_speeds(
+                study.with_settings(friction="effective", level="cage-set"),
+                interval,
+                effective_motion,
             )
-            later = _slip_errors(1.0 - reference_speed, 1.0 - simplified_speed)
+            later = _slip_errors(1.0 - conventional_speed, 1.0 - effective_speed)
             errors = {name: max(error, errors.get(name, 0.0)) for name, error in later.items()}
-            max_slip = max(max_slip, 1.0 - float(reference_speed.min()))
+            max_slip = max(max_slip, 1.0 - float(conventional_speed.min()))
             if errors["cage_slip"] > allowed:
                 break
         after = "" if interval[-1] == study.duration else f" after {interval[-1]:.2g} s already"
-        found = (
+        difference = (
             "with few slices the two frictions give cage slips that differ by up to "
             f"{100.0 * errors['cage_slip']:.2g} % of the slip{after}"
         )
         if errors["cage_slip"] > allowed:
             return Choice(
                 "conventional",
-                f"{found}, more than the {100.0 * allowed:.2g} % allowed for effective friction",
+                f"{difference}, more than the {100.0 * allowed:.2g} % allowed for effective friction",
             )
         if reason_near_skidding := describe_near_skidding(self.coarse, max_slip):
-            return Choice("conventional", f"{found}, but {reason_near_skidding}")
+            return Choice("conventional", f"{difference}, but {reason_near_skidding}")
         seconds = conventional.cost(self.assembly)["motion"]
         if seconds <= _MAX_CONVENTIONAL_SECONDS:
-            return Choice("conventional", f"{found}, but conventional friction takes seconds only")
+            return Choice(
+                "conventional", f"{difference}, but conventional friction takes seconds only"
+            )
         return Choice(
             "effective",
-            f"{found}, less than the {100.0 * allowed:.2g} % allowed for that, and conventional friction takes "
+            f"{difference}, less than the {100.0 * allowed:.2g} % allowed for that, and conventional friction takes "
             f"{duration(seconds)}",
             errors,
         )
@@ -482,34 +493,38 @@ class _Trials:
             *without_slip,
             _damping(moving, 0.0, np.asarray(moving.initial(study.cage_slip, study.roller_slip))),
         )
-        damped = f"speeds are damped by up to {strongest:.2g}/s"
+        damping = f"speeds are damped by up to {strongest:.2g}/s"
         contact = moving.system.frequencies[0]
         if not contact and strongest > _MAX_SMOOTH_DAMPING:
             return Choice(
                 implicit,
-                f"{damped}, more than the {_MAX_SMOOTH_DAMPING:g}/s up to which an explicit method takes fewer rates",
+                f"{damping}, more than the {_MAX_SMOOTH_DAMPING:g}/s up to which an explicit method takes fewer rates",
             )
         if not contact:
-            return Choice("rk45", f"{damped}, which does not limit the steps of an explicit method")
+            return Choice(
+                "rk45", f"{damping}, which does not limit the steps of an explicit method"
+            )
         if self.assembly.cage.pocket_contact == "film":
             return Choice(
                 implicit,
                 "the motion is stiff: films in the pockets are stiff when they are squeezed",
             )
-        weakest = min(without_slip)
+        # in each sampled state the strongest damping is at least this
+        smallest = min(without_slip)
         step = _CONTACT_STEP / contact
-        if weakest * step > _MAX_DAMPING_PER_STEP:
+        if smallest * step > _MAX_DAMPING_PER_STEP:
             return Choice(
                 implicit,
-                f"the motion is stiff: its strongest damping, {weakest:.2g}/s, is {weakest * step:.2g} in a step of "
-                f"{step:.2g} s that resolves its contacts, more than the {_MAX_DAMPING_PER_STEP:g} of explicit steps",
+                f"the motion is stiff: its strongest damping is {smallest:.2g}/s at least, {smallest * step:.2g} in a "
+                f"step of {step:.2g} s that resolves its contacts, more than the {_MAX_DAMPING_PER_STEP:g} of explicit "
+                "steps",
             )
         if strongest * step > _MAX_DAMPING_PER_STEP:
             return Choice(
                 "rk45",
-                f"{damped}, but only for a short time, in which explicit steps follow their error",
+                f"{damping}, but only for a short time, in which explicit steps follow their error",
             )
-        oscillates = f"the motion oscillates, at up to {max(moving.system.frequencies):.2g} rad/s, and {damped}"
+        oscillates = f"the motion oscillates, at up to {max(moving.system.frequencies):.2g} rad/s, and {damping}"
         if study.relative_tolerance < _LEAPFROG_TOLERANCE:
             return Choice(
                 "rk45", f"{oscillates}: explicit steps of a high order are better at this tolerance"
@@ -562,17 +577,21 @@ def step_tolerance(
     moving = study.moving(assembly)
     if moving.friction.uses_slices:
         moving = study.moving(coarse)
-    span = min(_STEP_TRIAL_DURATION, study.duration)
+    trial_duration = min(_STEP_TRIAL_DURATION, study.duration)
     # a motion at level cage-set takes no longer than the trial that shows how its errors decay
-    factor = error_accumulation(study, coarse, span) if estimates_decay else study.duration / span
-    cage = _divergence(
-        study, moving, (_USUAL_TOLERANCE, _REFERENCE_RATIO * _USUAL_TOLERANCE), [span]
-    )[:, 0]
-    error = float(np.nan_to_num(cage[:, -1], nan=np.inf, posinf=np.inf).max()) * factor
+    accumulation = study.duration / trial_duration
+    if estimates_decay:
+        accumulation = error_accumulation(study, coarse, trial_duration)
+    cage_errors = _divergence(
+        study, moving, (USUAL_TOLERANCE, _REFERENCE_RATIO * USUAL_TOLERANCE), [trial_duration]
+    )[:, 0, -1]
+    error = float(np.nan_to_num(cage_errors, nan=np.inf, posinf=np.inf).max()) * accumulation
     allowed = _STEPS_FRACTION * assembly.scene.accuracy.of("cage_speed")
-    lower = reference_resolution(assembly.scene).integrator_tolerance or 0.0
-    tolerance = min(max(_USUAL_TOLERANCE * allowed / max(error, 1e-300), lower), _USUAL_TOLERANCE)
-    step_error = error * tolerance / _USUAL_TOLERANCE
+    lowest = reference_resolution(assembly.scene).integrator_tolerance or 0.0
+    tolerance = USUAL_TOLERANCE
+    if error > allowed:  # it is proportional to the tolerance
+        tolerance = max(USUAL_TOLERANCE * allowed / error, lowest)
+    step_error = error * tolerance / USUAL_TOLERANCE
     if study.level == "cage-set":
         return tolerance, step_error
     return tolerance, max(step_error, _orbit_divergence(study, moving, tolerance))
@@ -607,7 +626,7 @@ def _divergence(
     max_speeds = np.array(_max_speeds(moving))[:, None]
     starts = _starting_points(study, moving, tolerances[0], ends[-1])
     differences = np.full((len(starts), 2, len(ends), _DIVERGENCE_SAMPLES), np.nan)
-    for of_start, start in zip(differences, starts, strict=True):
+    for start_differences, start in zip(differences, starts, strict=True):
         motions = [start] * len(tolerances)
         evaluations = 0
         for k, (first_time, last_time) in enumerate(itertools.pairwise((0.0, *ends))):
@@ -623,10 +642,11 @@ def _divergence(
                 cage, spin = (
                     np.abs(other[name] - first[name]) for name in ("cage_speed", "roller_spin")
                 )
-                piece = of_start[:, k, :count]
+                piece = start_differences[:, k, :count]
+                # of both finer motions the larger difference; the piece is NaN before the first
                 piece[:] = np.fmax(piece, np.stack((cage, spin.max(axis=-1))) / max_speeds)
             if count < _DIVERGENCE_SAMPLES:
-                of_start[:, k, count:] = np.inf
+                start_differences[:, k, count:] = np.inf
             if evaluations > _MAX_EVALUATIONS or count < _DIVERGENCE_SAMPLES:
                 break
     return differences.reshape(len(starts), 2, -1)
@@ -668,7 +688,7 @@ def _orbit_divergence(study: MotionStudy, moving: MovingBearing, tolerance: floa
     span = min(study.duration, 2.0 * math.pi / _max_speeds(moving)[0])
     ends = [span * k / _DIVERGENCE_PIECES for k in range(1, _DIVERGENCE_PIECES + 1)]
     largest = 0.0
-    for own in dict.fromkeys((tolerance, _USUAL_TOLERANCE)):
+    for own in dict.fromkeys((tolerance, USUAL_TOLERANCE)):
         finer = [own / divisor for divisor in _REFINEMENTS]
         differences = _divergence(study, moving, (own, *finer), ends)
         largest = max(largest, _SAFETY_FACTOR * float(np.nanmax(differences, initial=0.0)))

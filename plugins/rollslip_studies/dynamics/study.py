@@ -45,7 +45,7 @@ from rollslip.studies.error_estimate import reference_choice, with_table_toleran
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time
-from rollslip_studies.dynamics.choice import choose_motion, step_tolerance
+from rollslip_studies.dynamics.choice import USUAL_TOLERANCE, choose_motion, step_tolerance
 from rollslip_studies.dynamics.cost import costs_of
 from rollslip_studies.dynamics.history.settings import History, HistorySettings
 from rollslip_studies.dynamics.history.time_functions import Course
@@ -77,7 +77,7 @@ LEVELS: Final = {
     "pocket": "also every roller within its pocket",
     "planar": "also inner ring and cage in the plane, rollers along the radius",
 }
-#: Level -> typical step [s] at a tolerance of 1e-5, and evaluations of the rates in a step, for estimates of the cost
+#: Level -> typical step [s] at the usual tolerance, and evaluations of the rates in a step, for estimates of the cost
 #: before anything is measured. Doubled steps halve the estimate. Measured on the shipped bearing.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Fraction of the tolerances that slices and roller positions may use. Doubled, there are fewer slices, and their
@@ -163,7 +163,7 @@ class Dynamics(Study):
         doc="integrator, by name or as a table with its parameters; by default a plan chooses",
     )
     relative_tolerance: float = parameter(
-        default=1e-5,
+        default=USUAL_TOLERANCE,
         unit="1",
         doc="error of a step, relative to the magnitude of an unknown",
         validator=in_range(_MIN_TOLERANCE, 0.1),
@@ -414,7 +414,7 @@ class Dynamics(Study):
         if not self.moving(assembly).friction.uses_slices:  # only the stored points evaluate slices
             return int(loaded) * self.points
         step, evaluations = _STEPS[self.level]
-        steps = self.duration / step * (1e-5 / self.relative_tolerance) ** 0.2
+        steps = self.duration / step * (USUAL_TOLERANCE / self.relative_tolerance) ** 0.2
         return int(loaded) * int(evaluations * steps + self.points)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
