@@ -15,9 +15,11 @@ Before a run (`choose_by_curves`): a convergence study on coarse numbers.
 5. Leave out models that change no curve by more than their fraction of the tolerance, under a bound which is checked
    while the study runs.
 
-A study without curves doubles both numbers until its results change by less than the tolerance (`choose_by_doubling`).
+A study without curves doubles both numbers until its results change by less than a quarter of the tolerance each
+(`choose_by_doubling`).
 
-After a run (`estimate_error`): an a posteriori estimate by reference solutions, which share none of the above.
+After a run (`estimate_error`): an a posteriori estimate by reference solutions. It uses a probe, and none of the
+solutions and bounds above.
 
 1. Compare with four times as many slices, and with 2 m + 1 positions instead of m. They have one position in common.
    `rollslip.studies.bounds` has how much finer each reference solution is.
@@ -93,10 +95,13 @@ from rollslip.studies.bounds import (
 #: Slips of the grid over the range on which maxima are searched. Chosen: a curve has one or two maxima. Twice as
 #: many find maxima that lie closer, at twice the cost.
 _GRID_SLIPS: Final = 13
-#: Every how many slips of that grid the curves are compared, too. Chosen: four slips show the level of a curve.
+#: Every how many slips of that grid the curves are compared, too, which finds errors of friction away from a maximum.
+#: Doubled, two slips remain in place of four, and half as many curves are computed. Chosen: four show the level of a
+#: curve.
 _GRID_STRIDE: Final = 3
-#: Slips on which a maximum is searched again between its neighbours of the grid. Chosen: they set the step of the
-#: parabola; with twice as many a maximum that shifts between two resolutions may leave its three slips.
+#: Slips on which a maximum is searched again between its neighbours of the grid. They set the step of the parabola, and
+#: how far a vertex may shift between two resolutions before it counts as lost. Doubled, the step is half as long: a
+#: maximum that shifts may leave its three slips. Chosen.
 _REFINED_SLIPS: Final = 7
 #: Height, relative to the largest maximum, from which a maximum counts: finer slices may make it the largest. In
 #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
@@ -117,16 +122,20 @@ _DISCRETISATION_FRACTION: Final = 0.5
 #: where the reference resolution has too few positions do they take more; without this limit they would leave nothing,
 #: and slices would be infinitely many. Halved, slices are then made up to 1.4 times as many.
 _MIN_SLICE_FRACTION: Final = 0.3
-#: By which a closed form may change the curves in place of the law that a scene names.
+#: By which a closed form may change the curves in place of the law that a scene names. With the two parts of a contact
+#: and `_DISCRETISATION_FRACTION` it adds up to 1. Doubled, a closed form is taken more often, and all errors together
+#: may exceed the tolerance. Chosen.
 _LAW_FRACTION: Final = 0.1
 #: By which every value may change, relative to itself, where a part of a contact is left out. It is relative to the
-#: value since a steady slip goes with the friction at that slip, and not with the largest friction.
+#: value since a steady slip goes with the friction at that slip, and not with the largest friction. Doubled, more is
+#: left out, and all errors together may exceed the tolerance. Chosen.
 _LEFT_OUT_FRACTION: Final = 0.2
 #: Below which an error is believed without its order. Doubled, fewer runs are compared with a third number of
 #: positions, and an order that is worse than expected shows later.
 _CLEAR_FRACTION: Final = 0.3
-#: From which agreement with one joint reference may be chance, so that a second one is computed. Doubled, more runs
-#: save the second reference, and more errors that cancel by chance are missed.
+#: From which an error that keeps its tolerance by one joint reference may do so by chance, so that a second reference
+#: is computed. Below it the error is believed. Doubled, more runs save the second reference, and more errors that
+#: cancel by chance are missed.
 _CHANCE_FRACTION: Final = 0.15
 #: At which slices and positions aim, each, where a run is made again: both stay below the tolerance together, with
 #: some room for an order that is lower than the observed one.
@@ -158,15 +167,18 @@ _SEPARATE_POSITION_LADDER: Final = (1, 2, 3, 6)
 #: double the cost of a plan.
 COARSE_SLICES: Final = 12
 #: Fractions of the range of slips at which laws are compared, too. Laws differ most where an oil begins to shear by the
-#: stress and not by the viscosity, up to a hundred times as much as at the slips of a maximum.
+#: stress and not by the viscosity, up to a hundred times as much as at the slips of a maximum. Chosen: two a decade.
+#: Twice as many add five slips to about twelve of a comparison of laws.
 _SMALL_SLIPS: Final = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
-#: Roller positions on which laws are compared. Chosen: loads, and slips of free rollers, differ between positions.
+#: Roller positions on which laws are compared, because loads, and slips of free rollers, differ between positions.
+#: Doubled, a comparison of laws takes twice as long. Chosen.
 _LAW_POSITIONS: Final = 4
 #: Factor by which a quantity may exceed the largest that the probe met before what was left out is reinstated. Chosen;
 #: with 1 nearly every run would start again, as its slips and positions are others. The error grows by about this much.
 _BOUND_MARGIN: Final = 1.2
 #: Part of a contact that is left out, or the law that has a closed form -> how the change of the curves is measured,
-#: and the fraction of the tolerance that it may take.
+#: and the fraction of the tolerance that it may take. A closed form is measured by the largest friction of each curve,
+#: so that it may change a small friction by more of that friction than a part of a contact may.
 _SIMPLIFICATIONS: Final = {
     "inlet_heating": (pointwise_errors, _LEFT_OUT_FRACTION),
     "light_contacts": (pointwise_errors, _LEFT_OUT_FRACTION),
@@ -177,8 +189,9 @@ _UNLIMITED: Final = 1e9
 
 # Orders --------------------------------------------------------------------------------------------------------------
 
-#: Order of the mean over positions of a curve with jumps, at the worst, whatever two numbers of positions show: each
-#: roller jumps somewhere between two positions.
+#: Lowest order that is taken for the mean over positions of a continued curve, in place of `MIN_ORDER`: each roller
+#: jumps somewhere between two positions, so that the error falls at least with the inverse of their number. Two numbers
+#: of positions that show less do so by chance. With `MIN_ORDER` errors would be estimated up to 1.7 times as large.
 _JUMP_ORDER: Final = 1.0
 
 # Runs that are made again --------------------------------------------------------------------------------------------
@@ -193,8 +206,8 @@ _CONTACT_PARTS: Final = ("inlet_heating", "light_contacts")
 #: ask for far more than is needed, while a run that is still off after 4 is made again anyway.
 _MAX_FACTOR: Final = 4.0
 #: Slices of all rollers over an orbit at most with which a run is made again: some seconds of effective friction, and
-#: up to a minute of steady slips with their check. Beyond, the error is only reported. A limit of time would let the
-#: result depend on the machine.
+#: up to a minute of steady slips with their check. Beyond, the error is only reported. Doubled, such runs take up to
+#: twice as long. Chosen; a limit of time would let the result depend on the machine.
 _MAX_SLICES: Final = 500_000
 
 
@@ -741,15 +754,16 @@ class _ReferenceComparison:
     def position_errors(self, at: Assembly, orders: dict[str, float]) -> Errors:
         """Return the errors of the positions by 2 m + 1 others, and put their observed orders into a mapping.
 
+        With S(m) a curve on m positions and p its order, its error is |S(m) - S(2 m + 1)|/(1 - (m/(2 m + 1))^p). At
+        first p is the lowest order. Where that error is not clearly below its tolerance, p is observed.
+
         Of the 2 m + 1 positions only that with a roller in the line of load is among the m of the run. Curves are
         compared over all slips of the result, with the maxima that the study finds there: positions that were chosen by
         a few slips may be worse between them, and where rollers have several balances each changes balance at slips of
-        its own. A continued curve is followed over three times as many slips, since it may depend on the steps. Where
-        an error is not clearly below its tolerance, m/2 positions are compared, too, for the observed order: that says
-        how much of the error the reference itself leaves.
+        its own. A continued curve is followed over three times as many slips, since it may depend on the steps; it is
+        compared on m + 1 positions, too, and the larger difference counts.
         """
         m = self.assembly.resolution.n_positions or 1
-        half = (m + 1) // 2
         lowest = _min_order(self.curve_study)
         reference = self.solution(
             at, reference_positions(m), dense=self.curve_study.uses_continuation
@@ -767,14 +781,22 @@ class _ReferenceComparison:
         errors = {name: change / position_fraction(m, lowest) for name, change in changes.items()}
         if not exceeding(errors, self.accuracy, _CLEAR_FRACTION):
             return errors
-        # a single position has no half, and its order is assumed
-        coarser = self.errors_of(self.solution(at, half), reference) if half < m else {}
-        orders |= {
-            name: observed_order(half, m, coarser.get(name, 0.0), change)
-            for name, change in changes.items()
-        }
+        orders |= self.observed_orders(at, changes, reference)
         return {
             name: change / position_fraction(m, max(orders[name], lowest))
+            for name, change in changes.items()
+        }
+
+    def observed_orders(self, at: Assembly, changes: Errors, reference: Any) -> dict[str, float]:
+        """Return the orders with which differences from a reference fall from half of the positions to all of them.
+
+        A single position has no half, and its order is assumed.
+        """
+        m = self.assembly.resolution.n_positions or 1
+        half = (m + 1) // 2
+        coarser = self.errors_of(self.solution(at, half), reference) if half < m else {}
+        return {
+            name: observed_order(half, m, coarser.get(name, 0.0), change)
             for name, change in changes.items()
         }
 
@@ -822,27 +844,28 @@ class _ReferenceComparison:
             and "n_positions" in estimate.errors
             and not self.curve_study.uses_continuation
         )
-        first, second = joint_references(
+        gauss_numbers, same_rule_numbers = joint_references(
             self.assembly.slices, resolution.n_positions or 1, resolution.quadrature
         )
-        more_slices = attrs.evolve(resolution, slices=first[0], quadrature="gauss")
-        both = attrs.evolve(more_slices, n_positions=first[1], **self.complete_parts)
-        joint: Errors = self._refined_errors(both, orders, has_curves)
+        finer = {
+            "slices": attrs.evolve(resolution, slices=gauss_numbers[0], quadrature="gauss"),
+            "n_positions": attrs.evolve(resolution, n_positions=gauss_numbers[1]),
+            LEFT_OUT: attrs.evolve(resolution, **self.complete_parts),
+        }
+        all_refined = attrs.evolve(
+            finer["slices"], n_positions=gauss_numbers[1], **self.complete_parts
+        )
+        joint: Errors = self._refined_errors(all_refined, orders, has_curves)
         # run and reference may err alike by chance; a second reference hardly does as well
         if not exceeding(joint, self.accuracy) and exceeding(
             joint, self.accuracy, _CHANCE_FRACTION
         ):
-            other = attrs.evolve(
-                resolution, slices=second[0], n_positions=second[1], **self.complete_parts
+            cross_check = attrs.evolve(
+                finer[LEFT_OUT], slices=same_rule_numbers[0], n_positions=same_rule_numbers[1]
             )
-            joint = combine_errors((joint, self._refined_errors(other, orders, False)), max)
+            joint = combine_errors((joint, self._refined_errors(cross_check, orders, False)), max)
         separate: Mapping[str, Errors] = {}
         if exceeding(_reducible(joint, self.study), self.accuracy):
-            finer = {
-                "slices": more_slices,
-                "n_positions": attrs.evolve(resolution, n_positions=first[1]),
-                LEFT_OUT: attrs.evolve(resolution, **self.complete_parts),
-            }
             separate = {
                 part: self._refined_errors(finer[part], orders, has_curves)
                 for part in (*estimate.errors, LEFT_OUT)
@@ -963,6 +986,7 @@ def refine_resolution(
     exceeded = exceeding(_reducible(error.total, study), accuracy)
     if not exceeded or not study.may_run_again(assembly):
         return None
+    aims = {name: _REFINED_FRACTION * accuracy.of(name) for name in exceeded}
     excess = " and ".join(
         f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in exceeded.items()
     )
@@ -972,27 +996,10 @@ def refine_resolution(
     numbers = resolution_numbers(choice.resolution)
     limits = resolution_numbers(reference_resolution(assembly.scene))
     finished = [part for part in error.errors if numbers[part] >= limits[part]]
+    # parts that are as fine as the reference exceed the tolerance alone
     if exceeded.keys() <= exceeding(error.of_parts(finished), accuracy).keys():
         return None
-    joint_factors = error.joint_factors(
-        {name: _REFINED_FRACTION * accuracy.of(name) for name in exceeded}
-    )
-    refined: dict[str, Any] = dict(numbers)
-    remaining = dict[str, Errors]()
-    for part, errors in error.errors.items():
-        orders = _assumed_orders(study, part, error)
-        factors = [
-            (errors[name] / (_REFINED_FRACTION * accuracy.of(name))) ** (1.0 / orders[name])
-            for name in errors
-            if name in exceeded
-        ]
-        factor = min(max(1.0, joint_factors[part], *factors), _MAX_FACTOR)
-        refined[part] = max(min(math.ceil(factor * numbers[part]), limits[part]), numbers[part])
-        if errors:
-            remaining[part] = {
-                name: size * (numbers[part] / refined[part]) ** orders[name]
-                for name, size in errors.items()
-            }
+    refined, remaining = _refined_numbers(study, error, aims, numbers, limits)
     slices = refined["slices"] if assembly.slices > 1 else 1
     size = assembly.scene.bearing.rollers * refined["n_positions"] * slices
     if refined == numbers or size > _MAX_SLICES:
@@ -1006,9 +1013,52 @@ def refine_resolution(
     )
 
 
+def _refined_numbers(
+    study: DiscretisedStudy,
+    error: ErrorEstimate,
+    aims: Errors,
+    numbers: Mapping[str, int],
+    limits: Mapping[str, int],
+) -> tuple[dict[str, Any], dict[str, Errors]]:
+    """Return numbers of slices and positions with which each part keeps its aim, and the errors that these leave.
+
+    With E the error of n points and p its order, an aim A needs (E/A)^(1/p) times as many. Where a joint error needs
+    more (`ErrorEstimate.joint_factors`), that counts.
+
+    Parameters
+    ----------
+    study : DiscretisedStudy
+        The study that was run.
+    error : ErrorEstimate
+        The estimated error of the run.
+    aims : mapping of str to float
+        Relative error that each part may leave, by result.
+    numbers, limits : mapping of str to int
+        Numbers of the run and of the reference resolution, by part.
+    """
+    joint_factors = error.joint_factors(aims)
+    refined: dict[str, Any] = dict(numbers)
+    remaining = dict[str, Errors]()
+    for part, errors in error.errors.items():
+        orders = _assumed_orders(study, part, error)
+        factors = [
+            (errors[name] / aims[name]) ** (1.0 / orders[name]) for name in errors if name in aims
+        ]
+        factor = min(max(1.0, joint_factors[part], *factors), _MAX_FACTOR)
+        refined[part] = max(min(math.ceil(factor * numbers[part]), limits[part]), numbers[part])
+        if errors:
+            remaining[part] = {
+                name: size * (numbers[part] / refined[part]) ** orders[name]
+                for name, size in errors.items()
+            }
+    return refined, remaining
+
+
 def _assumed_orders(study: DiscretisedStudy, part: str, error: ErrorEstimate) -> dict[str, float]:
     """Return the orders of the errors of a part: the second for slices, the observed ones for positions."""
-    lowest = MAX_ORDER if part == "slices" else _min_order(study)
+    if part == "slices":
+        return dict.fromkeys(error.errors[part], MAX_ORDER)
+    lowest = _min_order(study)
     return {
         name: max(min(error.orders.get(name, ASSUMED_ORDER), MAX_ORDER), lowest)
         for name in error.errors[part]
