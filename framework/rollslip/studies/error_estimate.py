@@ -219,9 +219,9 @@ class DiscretisedStudy:
     name: ClassVar[str]
     #: Key of [accuracy] (friction, critical_slip, cage_speed) -> output whose discretisation error is kept below it.
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    #: Names of `value_errors` which no finer run reduces soon, for example bounds at the jump of a roller. They are
-    #: reported, and no run is made again for them.
-    irreducible_errors: ClassVar[frozenset[str]] = frozenset()
+    #: Names of `value_errors` which no finer run reduces soon, for example bounds at the jump of a roller -> reason, a
+    #: clause. They are reported, and no run is made again for them.
+    irreducible_errors: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Keys of [accuracy] of which a result has a value that `value_errors` compares, so that after a run no curves are
     #: compared for them.
     compared_as_values: ClassVar[frozenset[str]] = frozenset()

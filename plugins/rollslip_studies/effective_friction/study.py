@@ -186,7 +186,9 @@ class EffectiveFriction(Study):
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"friction": "effective_friction", "critical_slip": "critical_cage_slip"}
     )
-    irreducible_errors: ClassVar[frozenset[str]] = frozenset({FILM_AT_JUMPS})
+    irreducible_errors: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {FILM_AT_JUMPS: "it is that just before one jumps, between two positions"}
+    )
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     curves_of: ClassVar[Curves] = Curves(
         variable="effective_friction", over="ring", slip="cage_slip", critical="critical_cage_slip"
