@@ -497,7 +497,7 @@ def test_what_a_law_is_off_another_comes_first_while_it_is_more_than_the_toleran
     (known,) = validity_messages(
         [RangeExcess(law="traction 'simple'", validity=own, fraction=1.0)], off
     )
-    assert ", with 100 % at x < 3 and > 5 of the contact force; remedy" in known.text
+    assert ", with 100 % at x < 3 or > 5 of the contact force; remedy" in known.text
     assert [
         (one.measured, one.is_warning) for one in validity_messages(found, off, tolerance=0.1)
     ] == [

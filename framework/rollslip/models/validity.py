@@ -59,11 +59,13 @@ class Validity:
         """The range as text, such as ">= 2 and <= 5"."""
         if self.made_for:
             return self.made_for
-        limits = (
-            f">= {self.low:.3g}" if self.low > -math.inf else "",
-            f"<= {self.high:.3g}" if self.high < math.inf else "",
-        )
-        return " and ".join(filter(None, limits))
+        return " and ".join(f"{inside} {limit:.3g}" for inside, _, limit in self.limits)
+
+    @property
+    def limits(self) -> tuple[tuple[str, str, float], ...]:
+        """Of each finite limit the sign of values inside, the sign of those outside, and the limit."""
+        both = ((">=", "<", self.low), ("<=", ">", self.high))
+        return tuple(row for row in both if math.isfinite(row[2]))
 
     def excess(self, values: "NDArray[Any]") -> "NDArray[Any]":
         """Return the distance of values from the range, 0 inside; NaN for unknown values."""

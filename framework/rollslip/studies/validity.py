@@ -62,7 +62,8 @@ APPROXIMATION: Final = "W23"
 #: Quantiles of the bounded quantity outside, weighted by force: a message has the outer ones, the severity the middle
 #: one. Chosen; 0 and 1 would let a single slice decide what a message says.
 _QUANTILES: Final = (0.05, 0.5, 0.95)
-#: What most fractions are of.
+#: What fractions outside a range are of, in messages; those of all force are "all loaded contacts". Messages on rows of
+#: data have another text.
 _OF_FORCE: Final = "of the contact force"
 
 #: Base class of a law -> what messages call its kind.
@@ -101,7 +102,7 @@ class RangeExcess:
         error = self.validity.error
         if error is None or not self.values:
             return self.fraction
-        return self.fraction * (0.01 * error(self.median))
+        return self.fraction * (0.01 * error(self.median))  # from per cent
 
     @property
     def is_common(self) -> bool:
@@ -301,6 +302,7 @@ def range_excesses(models: Sequence[SliceModel], tables: Sequence[RingSlices]) -
         fractions = {ring: _fraction_outside(validity, values[ring], force[ring]) for ring in rings}
         ring = max(fractions, key=lambda name: fractions[name])
         excess = _range_excess(label, validity, fractions[ring], values[ring], force[ring])
+        # a message names the ring if its fraction is larger by as much as is reported, or if all of it is outside
         smallest = min(fractions.values())
         if fractions[ring] - smallest >= REPORTED_FROM or fractions[ring] == 1.0 > smallest:
             excess = attrs.evolve(excess, ring=ring)
@@ -309,7 +311,10 @@ def range_excesses(models: Sequence[SliceModel], tables: Sequence[RingSlices]) -
 
 
 def _fraction_outside(validity: Validity, values: Array, force: Array) -> float:
-    """Return the fraction of the force outside a bound, 1 only for all of it; values that are not known lie inside."""
+    """Return the fraction of the force outside a bound; values that are not known lie inside.
+
+    It is 1 only where no loaded contact is inside: a sum that is rounded to the whole is the next number below 1.
+    """
     total = float(force.sum())
     if total <= 0.0:
         return 0.0
@@ -322,29 +327,29 @@ def _fraction_outside(validity: Validity, values: Array, force: Array) -> float:
 def _range_excess(
     label: str, validity: Validity, fraction: float, values: Array, force: Array
 ) -> RangeExcess:
-    """Return the excess of a bound, with the quantiles of its quantity by force."""
-    spread = tuple[float, ...]()
+    """Return the excess of a bound, with the quantiles of its quantity by force, and the other regimes of a film."""
+    outer_quantiles = tuple[float, ...]()
     median = math.nan
     detail = ""
     if fraction > 0.0:
-        beyond = validity.excess(values) > 0.0
-        low, median, high = _quantiles(values[beyond], force[beyond], _QUANTILES)
-        spread = low, high
+        is_beyond = validity.excess(values) > 0.0
+        low, median, high = _quantiles(values[is_beyond], force[is_beyond], _QUANTILES)
+        outer_quantiles = low, high
     if validity.quantity == "film_regime" and fraction > 0.0:
+        # a regime is a number, and the range of a formula is that of one regime
         fractions = {
             LONG_NAMES[name]: float(force[values == code].sum() / force.sum())
             for code, name in enumerate(NAMES)
+            if not validity.low <= code <= validity.high
         }
         detail = " and ".join(
-            f"{_percent(fractions[name])} {name}"
-            for name in fractions
-            if fractions[name] > 0.0 and name not in validity.bound
+            f"{_percent(fractions[name])} {name}" for name in fractions if fractions[name] > 0.0
         )
     return RangeExcess(
         law=label,
         validity=validity,
         fraction=fraction,
-        values=spread,
+        values=outer_quantiles,
         median=median,
         detail=detail,
         is_known=not bool(np.isnan(values).all()),
@@ -432,10 +437,13 @@ def validity_messages(
 ) -> list[ValidityMessage]:
     """Return a message for each bound that is exceeded and for the error of an approximation, by severity.
 
+    Common bounds come after all others, and bounds of the approximation itself have no message. The approximation is
+    the first if it is a warning, else the last.
+
     Parameters
     ----------
     excesses : sequence of RangeExcess
-        What lies outside the bounds of all laws.
+        What lies outside the bounds of all laws. Below a fraction of `REPORTED_FROM` there is no message.
     difference : LawDifference or None
         Error of an approximating law.
     where : str
@@ -523,20 +531,24 @@ def _percent(fraction: float) -> str:
     return "under 1 %" if whole == "0 %" and fraction > 0.0 else whole
 
 
-def describe_bound(validity: Validity) -> str:
-    """Return a bound in words: "load parameter M >= 2", "pressure <= 100 MPa"."""
+def describe_bound(validity: Validity, *, is_outside: bool = False) -> str:
+    """Return a bound in words: "load parameter M >= 2", "pressure <= 100 MPa".
+
+    Parameters
+    ----------
+    validity : Validity
+        The bound.
+    is_outside : bool, optional
+        Whether the values outside are described: "load parameter M < 2".
+    """
     if validity.made_for:
-        return validity.made_for
+        return f"{'values outside ' * is_outside}{validity.made_for}"
     name, unit = symbol_of(validity.quantity)
-    name = validity.quantity_name or name
-    if unit == "1":
-        return f"{name} {validity.bound}"
     bounds = [
-        f"{sign} {format_quantity(limit, unit, 3)}"
-        for sign, limit in ((">=", validity.low), ("<=", validity.high))
-        if np.isfinite(limit)
+        f"{signs[is_outside]} {f'{limit:.3g}' if unit == '1' else format_quantity(limit, unit, 3)}"
+        for *signs, limit in validity.limits
     ]
-    return f"{name} {' and '.join(bounds)}"
+    return f"{validity.quantity_name or name} {(' and ', ' or ')[is_outside].join(bounds)}"
 
 
 def _is_of_approximation(excess: RangeExcess, difference: LawDifference) -> bool:
@@ -550,8 +562,7 @@ def _describe_difference(
 ) -> str:
     """Return the sentence on the error of an approximation, with what is outside its own bounds."""
     bounds = [
-        f"{_percent(excess.fraction)} at "
-        f"{describe_bound(excess.validity).replace('<=', '>').replace('>=', '<')}"
+        f"{_percent(excess.fraction)} at {describe_bound(excess.validity, is_outside=True)}"
         for excess in excesses
         if _is_of_approximation(excess, difference) and excess.fraction >= REPORTED_FROM
     ]
