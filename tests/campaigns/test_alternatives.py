@@ -16,7 +16,7 @@ from rollslip.results.accounts import account_of
 from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
-SCENE = coarse("gearbox", {"accuracy.slices": 5, "accuracy.tolerance": 1e-2})
+SCENE = coarse("gearbox", {"accuracy.slices": 5})
 
 
 @pytest.fixture(scope="module")

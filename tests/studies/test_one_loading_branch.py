@@ -36,8 +36,11 @@ HARD = {
 
 
 def few(scene, n_positions=1):
-    """Few slices; so few instants that every study takes the least on which rollers are followed."""
-    made = assemble(scene)
+    """Few slices; so few instants that every study takes the least on which rollers are followed.
+
+    Heat does not act on a bearing whose temperatures are given: its network is not asked.
+    """
+    made = assemble(evolve(scene, {"models.thermal": "given"}))
     slices = min(8, made.slices)
     return made.at(
         attrs.evolve(made.resolution, slices=slices, quadrature="equal", n_positions=n_positions)

@@ -9,7 +9,13 @@ from rollslip.scene.reading import load_scene
 DRAGS = ["petroff-land", "churning", "rolling-resistance", "hysteresis"]
 SCATTERED = rollslip.evolve(
     load_scene("1032930-70C"),
-    {"accuracy.slices": 3, "study.effective-friction.points": 9, "cage.drag": DRAGS},
+    {
+        "accuracy.slices": 3,
+        "accuracy.tolerance": 0.02,
+        "study.effective-friction.points": 9,
+        "study.steady-slip.pockets": "set",
+        "cage.drag": DRAGS,
+    },
 )
 
 
