@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from scipy.stats import binom, norm
 
 import rollslip
+import without_bands
 from coarse import SET_COARSE
 from loading_branch_scenes import catalogue
 from rollslip.bearing.assembly import assemble
@@ -48,7 +49,13 @@ def size(deviation):
 
 
 def of_run(scene):
-    return with_bands(scene, rollslip.run(scene, "steady-slip"))
+    return with_bands(scene, without_bands.run(scene, "steady-slip"))
+
+
+@pytest.fixture(scope="module")
+def steady():
+    """The run of `SCENE`, which tests must not change."""
+    return rollslip.run(SCENE, "steady-slip")
 
 
 @pytest.mark.slow
@@ -91,11 +98,9 @@ def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
     json.dumps(account_of(dataset).record(dataset), allow_nan=False)
 
 
-def test_no_end_of_a_band_is_a_slip_beyond_all_slips(monkeypatch):
+def test_no_end_of_a_band_is_a_slip_beyond_all_slips(steady, monkeypatch):
     """Odds of 1 of a slip of a half: three times as large ones are those of three quarters, infinite ones skid."""
-    dataset = rollslip.run(SCENE, "steady-slip").pipe(
-        lambda own: own.assign(steady_slip=own.steady_slip * 0.0 + 0.5)
-    )
+    dataset = steady.assign(steady_slip=steady.steady_slip * 0.0 + 0.5)
     moved = (QuantityEffect("lubricant.viscosity_factor", "1", (0.9, 1.1), (math.inf, 3.0)),)
     monkeypatch.setattr(
         band, "bands", lambda *_: {"steady_slip": Band(1.0 / 3.0, math.inf, moved[0].key, moved)}
@@ -113,7 +118,7 @@ def factor_of_land(deviation):
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.6])
-def test_two_quantities_of_one_torque_are_one_of_the_sum_of_their_variances(correlation):
+def test_two_quantities_of_one_torque_are_one_of_the_sum_of_their_variances(correlation, steady):
     """Factor and width of the land multiply its torque: their product is lognormal, s^2 = 2 (1 + rho) 0.3^2."""
     both = factor_of_land(0.3)
     both["cage"]["land_width"] = both["cage"]["drag"]["petroff-land"]["factor"]
@@ -121,9 +126,8 @@ def test_two_quantities_of_one_torque_are_one_of_the_sum_of_their_variances(corr
         keys = ["cage.drag.petroff-land.factor", "cage.land_width"]
         both["correlation"] = [{"between": keys, "coefficient": correlation}]
     deviation = 0.3 * math.sqrt(2.0 * (1.0 + correlation))
-    slip = float(rollslip.run(SCENE, "steady-slip").steady_slip[0])
     one, two = (
-        bands(uncertain(SCENE, **table), slip)["steady_slip"]
+        bands(uncertain(SCENE, **table), float(steady.steady_slip[0]))["steady_slip"]
         for table in (factor_of_land(deviation), both)
     )
     assert math.log(two.high) == pytest.approx(math.log(one.high), rel=1e-3)
@@ -242,10 +246,11 @@ def test_one_in_twenty_plain_samples_is_below_the_band_and_as_many_above(scene, 
         assert least <= np.count_nonzero(outside) <= most
 
 
-def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
-    dataset = rollslip.run(SCENE, "steady-slip")
-    assert "band" in dataset.attrs
+def test_without_a_steady_slip_or_without_scatter_there_is_no_band(steady, monkeypatch):
+    assert "band" in steady.attrs
+    dataset = steady.copy()
     del dataset.attrs["band"]
+    assert "band" in steady.attrs
     assert (
         with_bands(SCENE, dataset.assign(steady_slip=("steady", np.array([np.nan])))).attrs.get(
             "band"
@@ -255,11 +260,6 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
     monkeypatch.setattr("rollslip_studies.variation.scatter.scattering", lambda assembly: {})
     assert with_bands(SCENE, dataset).attrs.get("band") is None
     assert Band(0.5, math.inf, "x").high == math.inf
-
-
-@pytest.fixture(scope="module")
-def steady():
-    return rollslip.run(SCENE, "steady-slip")
 
 
 @pytest.mark.parametrize(
