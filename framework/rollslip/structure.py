@@ -373,7 +373,7 @@ def _converted_number(raw: object, unit: str, where: Location, faults: list[str]
     except UnitError as error:
         hint = ""
         if isinstance(raw, list | tuple):
-            resultant = "the resultant of components, or " if unit == "N" else ""
+            resultant = "the resultant of components, or " * (unit == "N")
             hint = f"; give {resultant}one value: sweep takes several, --over {_dotted(where.path)}=A,B"
         faults.append(where.message(f"{error}{hint}"))
         return MISSING

@@ -85,7 +85,7 @@ def info(target: str | None, changes: Sequence[str], verbose: bool, as_json: boo
     sections = console.info(target if scene is None else scene)
     # what has no names, such as warnings, is a list
     values = {
-        title: dict(rows) if any(name for name, _ in rows) else [text for _, text in rows]
+        title: dict(rows) if any(dict(rows)) else [text for _, text in rows]
         for title, rows in sections.items()
     }
     print_either(as_json, values, sections)

@@ -13,6 +13,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import describe_error
+from rollslip.results.text import format_count
 
 __all__ = ["Finding", "as_text", "examine", "healthy", "instructions", "versions"]
 
@@ -75,11 +76,7 @@ def as_text(found: list[Finding], *, verbose: bool = False) -> str:
         state: sum(finding.state == state for finding in found)
         for state in ("fault", "warning", "ok")
     }
-    totals = [
-        f"{count[state]} {state}{'s' if count[state] != 1 else ''}"
-        for state in ("fault", "warning")
-        if count[state]
-    ]
+    totals = [format_count(count[state], state) for state in ("fault", "warning") if count[state]]
     shown = [finding for finding in found if verbose or finding.state != "ok"]
     lines = [f"{' and '.join(totals) or 'healthy'}: rollslip {_version('rollslip')}"]
     width = max((len(finding.check) for finding in shown), default=0)

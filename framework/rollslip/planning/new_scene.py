@@ -338,8 +338,7 @@ def _seats(b: Bearing) -> dict[str, str]:
     """Return remarks on the lines of fits, where a raceway has no ring with a seat."""
     return {
         f"no_{part}": f"; not here: rollers run on the {part} itself"
-        if raceway is not None and raceway.without_ring
-        else ""
+        * (raceway is not None and raceway.without_ring)
         for part, raceway in (("shaft", b.inner_raceway), ("housing", b.outer_raceway))
     }
 

@@ -424,7 +424,7 @@ class Answer:
                     shown = _with_count(texts, hidden, _ALL.get(more, more), width)
                 below += align_columns(_headed(name, shown), math.inf if name == "next" else width)
             omitted = self.omitted + len(self.table) - len(table)
-            points = align_columns(table, width) + ([f"  {omitted} more: --all"] if omitted else [])
+            points = align_columns(table, width) + [f"  {omitted} more: --all"] * bool(omitted)
             parts = [part for part in (head, align_columns(rows, width), points, below) if part]
             lines = "\n\n".join("\n".join(part) for part in parts).split("\n")
             if whole or len(lines) <= max_lines:
@@ -477,7 +477,7 @@ class Answer:
         ]
         for name, minor in (("assumed", len(self.minor)), ("notes", 0)):
             hidden = max(len(groups[name]) - MAX_ROWS, 0) + minor
-            groups[name] = groups[name][:MAX_ROWS] + ([f"{hidden} more"] if hidden else [])
+            groups[name] = groups[name][:MAX_ROWS] + [f"{hidden} more"] * bool(hidden)
         below = "".join(
             f"<p>{name}: {'<br/>'.join(map(escape, texts))}</p>"
             for name, texts in groups.items()

@@ -221,7 +221,7 @@ def _cell(value: Any) -> Any:
     if not isinstance(value, str):
         return value
     is_formula = value.startswith(("=", "+", "-", "@", "\t", "\r")) and not NUMBER.match(value)
-    return ("'" if is_formula else "") + readable(value)
+    return "'" * is_formula + readable(value)
 
 
 def _xlsx(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:

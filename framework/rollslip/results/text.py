@@ -42,6 +42,7 @@ __all__ = [
     "duration_range",
     "first_line",
     "force_unit",
+    "format_count",
     "format_force",
     "format_plain",
     "format_power",
@@ -491,6 +492,19 @@ def format_slip_band(low: float, high: float) -> str:
     return f"{lower} to {two_digits(100.0 * high)} %" if high < 1.0 else f"{lower} % to skidding"
 
 
+def format_count(number: int, noun: str) -> str:
+    """Return a number with its noun, which is in the plural except for 1.
+
+    Parameters
+    ----------
+    number : int
+        The number.
+    noun : str
+        The noun in the singular.
+    """
+    return f"{number} {noun}{'s' if number != 1 else ''}"
+
+
 def format_force(load: float, reference: float, *, unit: bool = True) -> str:
     """Return a force in the unit of another one, so that a printout has one unit.
 
@@ -504,7 +518,7 @@ def format_force(load: float, reference: float, *, unit: bool = True) -> str:
         Whether the name of the unit follows.
     """
     name, factor = force_unit(reference)
-    return f"{two_digits(load * factor)}{f' {name}' if unit else ''}"
+    return f"{two_digits(load * factor)}{f' {name}' * unit}"
 
 
 def format_power(watts: float) -> str:

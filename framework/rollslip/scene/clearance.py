@@ -304,8 +304,7 @@ def operating_clearance(
                 if mean > 0.0
             ),
         ),
-        assumed=(("shaft_fit",) if shaft.is_assumed else ())
-        + (("housing_fit",) if housing.is_assumed else ()),
+        assumed=("shaft_fit",) * shaft.is_assumed + ("housing_fit",) * housing.is_assumed,
         rigid=rigid,
     )
 

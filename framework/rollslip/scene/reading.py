@@ -174,7 +174,7 @@ def checked_scene(
     SceneError
         With every fault of the scene.
     """
-    problems = [f"{source}: a text has the character U+0000; remove it"] if has_null(raw) else []
+    problems = [f"{source}: a text has the character U+0000; remove it"] * has_null(raw)
     complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:

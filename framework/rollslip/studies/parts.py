@@ -44,8 +44,8 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
             reason="straight rollers and aligned rings load a contact evenly along its length",
         )
     uneven = " and ".join(
-        (["the profile"] if bearing.profile.shape != "none" else [])
-        + (["the misalignment"] if scene.operation.misalignment != 0.0 else [])
+        ["the profile"] * (bearing.profile.shape != "none")
+        + ["the misalignment"] * (scene.operation.misalignment != 0.0)
     )
     points = "equal slices" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
     if scene.accuracy.slices is not None:

@@ -89,7 +89,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     """Return a figure of all curves with their critical slips, their differences, and the differences over costs."""
     of = curves_of(dataset)
     selected = dataset.isel({of.over: position})
-    reference = dataset.attrs["reference"]
+    suffixes = {dataset.attrs["reference"]: ": reference"}
     difference, error, cost = (
         selected[name].to_numpy() for name in ("difference", "rms_error", "cost")
     )
@@ -115,13 +115,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
             sheet.key(f"{name}: failed", linestyle="none")
             continue
         x, y, critical, _ = curve.branches()
-        sheet.line(
-            100 * x,
-            y,
-            name + (": reference" if label == reference else ""),
-            panels["curves"],
-            **style,
-        )
+        sheet.line(100 * x, y, name + suffixes.get(label, ""), panels["curves"], **style)
         if curve.has_critical:
             panels["curves"].plot(
                 100 * x[critical], y[critical], color=style["color"], zorder=4, **MARKER

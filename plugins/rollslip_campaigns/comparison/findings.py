@@ -350,8 +350,7 @@ class AlternativesAccount(Account):
             table=(table.head, *map(tuple, table.rows[:MAX_ROWS])),
             omitted=max(len(table.rows) - MAX_ROWS, 0),
             assumed=("ratio: slip over that of the first, 5 to 95 %",)
-            if any(row[-1] for row in table.rows)
-            else (),
+            * any(row[-1] for row in table.rows),
             faults=tuple(failed),
         )
 

@@ -85,7 +85,7 @@ def run_explorer(
     errors: dict[str, dict[str, Any]] = {}
     if planned.checks:
         ranges = {
-            dial.key: f"{dial.low!r}:{dial.high!r}{':log' if dial.logarithmic else ''}"
+            dial.key: f"{dial.low!r}:{dial.high!r}{':log' * dial.logarithmic}"
             for dial in planned.dials
         }
         random_points = compute_sweep(

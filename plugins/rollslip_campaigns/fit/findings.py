@@ -15,7 +15,7 @@ from rollslip.results.account import Account, Table
 from rollslip.results.answer import MAX_ROWS, Answer
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
-from rollslip.results.text import first_line
+from rollslip.results.text import first_line, format_count
 from rollslip.units import format_quantity
 
 __all__ = ["FitAccount", "headline", "parameter_rows"]
@@ -72,9 +72,7 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
 def _interval(limits: NDArray[np.float64], unit: str, unknown: Sequence[bool]) -> str:
     """Return an interval in words: "none" where the data give no limit, "?" where it is not known."""
     low, high = (
-        format_quantity(float(limit), unit, 4)
-        if math.isfinite(limit)
-        else ("?" if is_unknown else "")
+        format_quantity(float(limit), unit, 4) if math.isfinite(limit) else "?" * is_unknown
         for limit, is_unknown in zip(limits, unknown, strict=True)
     )
     if low == high == "?":
@@ -102,7 +100,7 @@ class FitAccount(Account):
         """Return the first parameter with its interval, and a row for each parameter."""
         rows = parameter_rows(dataset)
         name, value, _, _, limits, _ = rows[0]
-        others = f"; {len(rows) - 1} more below" if len(rows) > 1 else ""
+        others = f"; {len(rows) - 1} more below" * (len(rows) > 1)
         table = FitAccount("fit").tables(dataset)[0]
         return Answer(
             summary=f"{name} {value} (95 %: {limits}){others}",
@@ -131,9 +129,7 @@ class FitAccount(Account):
         a = dataset.attrs
         largest = float(np.abs(dataset["friction"]).max())
         chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
-        points = (
-            f"{dataset.sizes['point']} operating point{'s' if dataset.sizes['point'] > 1 else ''}"
-        )
+        points = format_count(dataset.sizes["point"], "operating point")
         lines = [
             f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
             f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; "

@@ -13,7 +13,7 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.table import point_rows
-from rollslip.results.text import Status, in_brackets, in_percent, short_label
+from rollslip.results.text import Status, format_count, in_brackets, in_percent, short_label
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import answer_table, main_reason, point_table
 
@@ -169,18 +169,19 @@ def summarise_limit(dataset: "xr.Dataset") -> str:
     ((low, high, is_first, is_last),) = spans
     if is_first and is_last:
         return f"{requirement} at every {label} {extent}"
-    bounds = [] if is_first else [f"minimum {label} {_format_searched(dataset, low, 3)}"]
-    bounds += [] if is_last else [f"maximum {label} {_format_searched(dataset, high, 3)}"]
+    bounds = (
+        f"{extreme} {label} {_format_searched(dataset, bound, 3)}"
+        for extreme, bound, is_end in (("minimum", low, is_first), ("maximum", high, is_last))
+        if not is_end
+    )
     return f"{', '.join(bounds)} for {requirement}"
 
 
 def _turns(dataset: "xr.Dataset") -> list[str]:
     """Return a remark where the result is not monotonic, so that the limit may be crossed unseen."""
     turns = _turning_points(dataset)
-    return (
-        [f"the result turns back {turns} times: the limit may be crossed more often"]
-        if turns
-        else []
+    return [f"the result turns back {turns} times: the limit may be crossed more often"] * bool(
+        turns
     )
 
 
@@ -276,8 +277,8 @@ def _describe_monotonicity(dataset: "xr.Dataset") -> list[str]:
         ]
     first = int(dataset.attrs["first"])
     return [
-        f"{name} turns back {turns} time{'s' if turns != 1 else ''} over the {n} values with a result: between two of "
-        f"the first {first} it may pass the limit and come back unseen; --over {dataset.attrs['searched_key']}="
+        f"{name} turns back {format_count(turns, 'time')} over the {n} values with a result: between two of the "
+        f"first {first} it may pass the limit and come back unseen; --over {dataset.attrs['searched_key']}="
         f"LOW:HIGH:{2 * first - 1} looks at more"
     ]
 

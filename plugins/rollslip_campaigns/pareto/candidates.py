@@ -29,6 +29,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
+from rollslip.results.text import format_count
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.structure import raise_problems
@@ -134,7 +135,7 @@ class Family:
                 n_positions = f" and {reference.n_positions} roller positions"
             lines.append(
                 f"{study}: {counts['numerical']} numerical and {counts['modelling']} modelling choices and "
-                f"{counts['film']} films, {self.rounds} round{'s' if self.rounds != 1 else ''} each, against "
+                f"{counts['film']} films, {format_count(self.rounds, 'round')} each, against "
                 f"{counts['reference']} references, the finest with {reference.slices} slices{n_positions}"
             )
         return [*lines, *self.notes]
@@ -163,7 +164,7 @@ def plan_family(requested: "ParetoSettings") -> Family:
         get_class("traction", law)
     base = plan(scene, requested.study)
     if axes:
-        axes += (("traction",) if laws else ()) + (("film",) if films else ())
+        axes += ("traction",) * bool(laws) + ("film",) * bool(films)
     axes = tuple(dict.fromkeys(axes or AXES))
     scenes = _films(scene, films)
     choices: list[Choice] = []
@@ -386,7 +387,7 @@ def _label(planned: Resolution, resolution: Resolution) -> str:
             "slices",
             "quadrature",
         ): f"{r.slices} {'Gauss points' if r.quadrature == 'gauss' else 'slices'}",
-        ("n_positions",): f"{r.n_positions} position{'s' if r.n_positions != 1 else ''}",
+        ("n_positions",): format_count(r.n_positions or 0, "position"),
         ("table_tolerance",): f"tables to {r.table_tolerance:.0e}",
         ("integrator",): str(r.integrator),
         # None, where a study has no integrator, is the same in both

@@ -218,7 +218,7 @@ def milliseconds(part: "xr.Dataset", row: Any) -> str:
 def _cell(value: float, status: str, star: bool) -> str:
     """Return a cell of a table: an error with its star, or a short status."""
     if not np.isnan(value):
-        return f"{value:.1e}{' *' if star else ''}"
+        return f"{value:.1e}{' *' * star}"
     if status.startswith("failed"):
         return "failed"
     return re.split(r"[ ,]", status)[0]  # "none", or a number

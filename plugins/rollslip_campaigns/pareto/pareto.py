@@ -352,9 +352,7 @@ def _coordinates(family: Family) -> dict[str, Any]:
         name: (
             "choice",
             np.array([row[name] for row in rows]),
-            about(
-                "1", name.replace("_", " ") + (", relative" if name.endswith("tolerance") else "")
-            ),
+            about("1", name.replace("_", " ") + (", relative" * name.endswith("tolerance"))),
         )
         for name in rows[0]
     }

@@ -318,7 +318,7 @@ def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, flo
     high = float(ends[-1])
     if low > high or (name == OPERATION_KEYS[1] and not low > 0.0):
         raise ValueError(
-            f"{text!r}: the lower end must be {'above 0 and ' if name == OPERATION_KEYS[1] else ''}below the upper one"
+            f"{text!r}: the lower end must be {'above 0 and ' * (name == OPERATION_KEYS[1])}below the upper one"
         )
     for end in (low, high):
         quantity.read(end)

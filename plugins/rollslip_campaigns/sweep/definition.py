@@ -19,6 +19,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.packages import edited
 from rollslip.fields import at_least, choice_of, non_negative, parameter, positive
 from rollslip.references import Citation
+from rollslip.results.text import format_count
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, resolved, scene_hash
 from rollslip.studies.study import settings
@@ -258,7 +259,7 @@ class Sweep(SweepWork):
             count = len(axis.values)
             ends = [axis.format_value(value) for value in axis.values]
             values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
-            lines.append(f"{axis.key}: {count} value{'s' if count != 1 else ''}, {values}")
+            lines.append(f"{axis.key}: {format_count(count, 'value')}, {values}")
             if axis.key == "models.traction" and "hydrodynamic" in dict(
                 self.scene.models.traction.parameters
             ):

@@ -14,6 +14,7 @@ from rollslip.results.dataset import STATUS_VARIABLE, UNITS, xr
 from rollslip.results.table import sheet
 from rollslip.results.text import (
     Status,
+    format_count,
     format_plain,
     in_brackets,
     in_percent,
@@ -72,7 +73,7 @@ class SweepAccount(Account):
                 key=key,
                 label=key.replace("_", " "),
                 text=_format_range(key, item),
-                note=f"none at {item['missing']} points" if item["missing"] else "",
+                note=f"none at {item['missing']} points" * bool(item["missing"]),
             )
             for key, item in summaries.items()
         ]
@@ -80,7 +81,7 @@ class SweepAccount(Account):
         return Answer(
             summary="; ".join(parts),
             rows=() if tables else tuple(rows),
-            faults=(f"{missing} of {number} points have no result",) if missing else (),
+            faults=(f"{missing} of {number} points have no result",) * bool(missing),
             next=_next_steps(dataset, missing - counts["pending"]),
             **answer_table(tables),
         )
@@ -101,7 +102,7 @@ class SweepAccount(Account):
                 )
                 extent = f"{smallest} to {largest}, median {median}"
             label = f"{name}{closure_note(dataset)}" if name.startswith("critical_") else name
-            values = f"{row['values']} value{'s' if row['values'] != 1 else ''}"
+            values = format_count(row["values"], "value")
             why = in_brackets(row["why"])
             lines.append(f"{label}: {extent}; {values}, {row['missing']} without one{why}")
         return lines

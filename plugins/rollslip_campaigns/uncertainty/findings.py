@@ -99,7 +99,8 @@ class UncertaintyAccount(Account):
                 text=percent(slip) if math.isfinite(slip) else "skidding",
                 note=f"{format_slip_band(low, high)}; median of {int(dataset['samples'].sel(quantity=STEADY))} samples"
                 f"{_nominal_note(dataset, STEADY, slip)}"
-                + (", without play" if _has_unknown_play(dataset) else ""),
+                + ", without play"
+                * _has_unknown_play(dataset),
             )
             if not math.isnan(slip)
             else Row(
@@ -119,7 +120,7 @@ class UncertaintyAccount(Account):
                 if math.isnan(lower_reserve)
                 else f"at least {two_digits(lower_reserve)}",
                 note=f"with probability {p:g}; {percent(skids) if skids > 0.0 else 'none'} of the samples skid"
-                + (f"; median {two_digits(reserve)}{nominal_reserve}" if nominal_reserve else ""),
+                + f"; median {two_digits(reserve)}{nominal_reserve}" * bool(nominal_reserve),
             ),
         ]
         if LOAD in quantities and math.isfinite(load := _quantile(dataset, LOAD, p)[0]):
@@ -341,7 +342,7 @@ def _scatter_note(dataset: "xr.Dataset") -> tuple[str, ...]:
     """Return what is sampled, and why no more samples were computed."""
     stop = str(dataset.attrs.get("stop", ""))
     inputs = f"scatter of {dataset.sizes['input']} data"
-    inputs += " as their sources and models declare it" if dataset.attrs.get("scatter", "") else ""
+    inputs += " as their sources and models declare it" * bool(dataset.attrs.get("scatter", ""))
     return tuple(filter(None, (inputs, stop)))
 
 

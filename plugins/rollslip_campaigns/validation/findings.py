@@ -178,9 +178,7 @@ class ValidationAccount(Account):
             ),
             table=(("value or statement", "calculated/measured", "verdict"), *body[:MAX_ROWS]),
             omitted=max(len(body) - MAX_ROWS, 0),
-            assumed=(f"{estimated} values that the sources do not state (-v)",)
-            if estimated
-            else (),
+            assumed=(f"{estimated} values that the sources do not state (-v)",) * bool(estimated),
         )
 
     @staticmethod

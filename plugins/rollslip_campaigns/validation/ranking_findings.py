@@ -69,12 +69,12 @@ class RankingAccount(Account):
         summary = sentences[0]
         if known > 1:
             worse, undetermined = better(dataset, 0)
-            summary = (
-                f"{names[0]} first: error {two_digits(errors[0])} times the uncertainty of the data"
-            )
-            summary += f"; better than {', '.join(worse)}" if worse else ""
-            summary += (
-                f"; not distinguishable from {', '.join(undetermined)}" if undetermined else ""
+            compared = {"better than": worse, "not distinguishable from": undetermined}
+            summary = "; ".join(
+                (
+                    f"{names[0]} first: error {two_digits(errors[0])} times the uncertainty of the data",
+                    *(f"{words} {', '.join(laws)}" for words, laws in compared.items() if laws),
+                )
             )
         table = RankingAccount("ranking").tables(dataset)[0]
         body = [(row[0], row[1], row[3], row[4]) for row in table.rows]
@@ -82,9 +82,8 @@ class RankingAccount(Account):
             summary=summary,
             table=(("law", "error, 95 %", "time of a value", "better than"), *body[:MAX_ROWS]),
             omitted=max(len(body) - MAX_ROWS, 0),
-            assumed=()
-            if dataset.attrs.get("groups")
-            else ("errors of conditions are independent (--groups=set, --groups=series)",),
+            assumed=("errors of conditions are independent (--groups=set, --groups=series)",)
+            * (not dataset.attrs.get("groups")),
             faults=tuple(text for text in sentences if "too few" in text),
         )
 

@@ -300,7 +300,7 @@ class CylindricalRollerBearings(Family):
         """Return series, code of the bore and group of clearance of a name."""
         written, _, group = name.lstrip("NUJP").partition("-C")
         number = written.removesuffix("-old").removesuffix("E")
-        series = f"{number[:-2]}{'E' if written.endswith('E') else ''}"
+        series = f"{number[:-2]}{'E' * written.endswith('E')}"
         return series, number[-2:], f"C{group}" if group else "CN"
 
     def __getitem__(self, name: str) -> BearingData:

@@ -227,4 +227,4 @@ def other_bearing(written: str) -> str | None:
     what = what or next((what for start, what in _LETTERED if start.match(solid)), None)
     if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", solid):
         what = "cylindrical roller bearing of a size or a series that is not in the catalogue"
-    return what and f"a{'n' if what[0] in 'aeiou' else ''} {what}"
+    return what and f"a{'n' * (what[0] in 'aeiou')} {what}"

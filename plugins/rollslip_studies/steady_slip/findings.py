@@ -251,7 +251,7 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
         return Row(**row, text="not found", note=status)
     is_bound = Status.of(status) is Status.AT_LEAST
     if math.isinf(reserve):
-        note = f"no drag brakes the cage{' without slip' if slip < -_MIN_DRIVEN_SLIP else ''}"
+        note = f"no drag brakes the cage{' without slip' * (slip < -_MIN_DRIVEN_SLIP)}"
         if slip > _MIN_DRIVEN_SLIP:
             note = _BRAKED
         return Row(**row, text="no limit", note=note)
@@ -296,7 +296,7 @@ def _format_reserve(reserve: float, is_bound: bool = False) -> str:
     """Return a reserve in two digits, as a lower bound if it is one."""
     if reserve > _MAX_PRINTED_RESERVE:
         return f"over {_MAX_PRINTED_RESERVE:g}"
-    return f"{'at least ' if is_bound else ''}{two_digits(reserve)}"
+    return f"{'at least ' * is_bound}{two_digits(reserve)}"
 
 
 def _makers_row(dataset: "xr.Dataset", load: float) -> Row | None:
@@ -492,8 +492,8 @@ def describe_doubt(dataset: "xr.Dataset") -> str:
     It has a mark where the bearing is so slow that losses leave out what is not small there.
     """
     ratio = _ratio_to_formulas(dataset)
-    mark = ", outside the model's range" if _is_slow(dataset) else ""
-    return f"{ratio:.2g} x makers' formulas{mark}" if _is_far(ratio) else ""
+    mark = ", outside the model's range" * _is_slow(dataset)
+    return f"{ratio:.2g} x makers' formulas{mark}" * _is_far(ratio)
 
 
 def _explain_doubt(dataset: "xr.Dataset") -> list[str]:

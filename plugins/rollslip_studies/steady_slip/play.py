@@ -107,9 +107,7 @@ class Play:
     @property
     def status(self) -> str:
         """Why there is no steady slip because of the play; empty if there is one, or if there is none without play."""
-        return (
-            f"{self.found.status} with play in the pockets: {Status.SKIDS}" if self._skids else ""
-        )
+        return f"{self.found.status} with play in the pockets: {Status.SKIDS}" * self._skids
 
     def slips(self, without: list[float]) -> list[float]:
         """Return the steady slips with play, as far as it is known, from those without; larger ones do not change.
