@@ -18,6 +18,7 @@ from loading_branch_scenes import catalogue
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import ConvergenceError
+from rollslip.planning.new_scene import new
 from rollslip.results.accounts import _varied_quantity, account_of
 from rollslip.results.answer import collect_notes
 from rollslip.scene.reading import as_scene, load_scene
@@ -260,6 +261,18 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(steady, monke
     monkeypatch.setattr("rollslip_studies.variation.scatter.scattering", lambda assembly: {})
     assert with_bands(SCENE, dataset).attrs.get("band") is None
     assert Band(0.5, math.inf, "x").high == math.inf
+
+
+def test_a_driven_cage_has_a_band_up_to_slips_at_which_drags_brake_it():
+    """A turning outer ring carries unloaded rollers along; more oil between them brakes."""
+    turned = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "3000 rpm"}
+    bearing = new("NU310", oil="iso-vg-100", speed="1 rpm", load="600 N", temperature="80 degC")
+    dataset = of_run(rollslip.evolve(bearing, turned | {"accuracy.slices": 21}))
+    band = json.loads(dataset.attrs["band"])["steady_slip"]
+    assert band["low"] == float(dataset["steady_slip"][0]) < -0.01
+    assert 1e-3 < band["high"] < 0.05
+    (churning,) = (row for row in band["changes"] if row["key"] == "cage.drag.churning.factor")
+    assert churning["values"][1] > 1e-3 > churning["values"][0] > 0.0
 
 
 @pytest.mark.parametrize(

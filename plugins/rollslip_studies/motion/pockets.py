@@ -360,6 +360,9 @@ def relative_play(balance: TorqueBalance, slip: float) -> float:
 def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: float) -> SlipWithPlay:
     """Return the smallest steady slip of a cage whose rollers have play in their pockets.
 
+    It is the first one, from a small one on, at which the excess torque no longer moves the cage on. Where rollers
+    drive the cage there it runs ahead of pure rolling, and its slip is negative.
+
     Parameters
     ----------
     with_play : BalanceWithPlay
@@ -371,14 +374,7 @@ def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: flo
     """
     if math.isnan(slip):
         return SlipWithPlay("rollers that are set in the cage have no steady slip")
-    return _search(with_play, _FIRST_SLIP * max(slip, SLIP_FLOOR), max_slip)
-
-
-def _search(with_play: BalanceWithPlay, first_slip: float, max_slip: float) -> SlipWithPlay:
-    """Return the first slip, from a small one on, at which the excess torque no longer moves the cage on.
-
-    Where rollers drive the cage at the first slip it runs ahead of pure rolling, and slips are negative.
-    """
+    first_slip = _FIRST_SLIP * max(slip, SLIP_FLOOR)
     sense = 1.0
 
     def torques_at(magnitudes: Array) -> Array:

@@ -106,10 +106,6 @@ _MAX_STEP: Final = 1.0
 #: scenes. Chosen, above rounding errors of the torque and below the width of its maximum.
 _FIRST_STEP: Final = 0.05
 
-#: Slip below which the torque at the floor is evaluated first, because a cage that hardly slips may be driven at the
-#: quantile of a quantity. Twice as much costs one more evaluation of some bearings and changes no band of these scenes.
-#: Chosen: 0.1 %, as printed.
-_SMALL_SLIP: Final = SMALLEST_SLIP
 # Pockets. The play is estimated from the design of the cage, and whether an oil film or metal stops a roller is not
 # known:
 
@@ -211,7 +207,8 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
     if "steady_slip" in record:
         median = scaled("steady_slip", found["steady_slip"].median)
         record["steady_slip"]["median"] = _json_value("steady_slip", median)
-        _add_pockets(record["steady_slip"], scene, dataset)
+        if slips[0] > 0.0:  # that of a driven cage has no logarithm
+            _add_pockets(record["steady_slip"], scene, dataset)
     single = attrs.evolve(scene, sweep=None, uncertainty=None)
     coarse = _coarse_assembly(single)
     rows = consequences(single, coarse, dataset, values["steady_slip"])
@@ -277,8 +274,6 @@ def _add_pockets(record: dict[str, Any], scene: Scene, dataset: "xr.Dataset") ->
     if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
         return
     slip = float(dataset["steady_slip"][0])
-    if slip <= 0.0:
-        return
     by_play = max(slip - float(dataset["slip_without_play"]), 0.0)
     stated: Mapping[str, object] = scene.cage or {}
     others = []
@@ -485,7 +480,8 @@ def _log_steady_slip(
     balance: TorqueBalance, near: float, slope: float | None
 ) -> tuple[float, float | None]:
     """Return the logarithm of a steady slip near another, and the slope of the excess torque if secants found it."""
-    if near < math.log(_SMALL_SLIP) and balance.excess(SLIP_FLOOR) >= 0.0:
+    # the cage may be driven at the quantile of a quantity
+    if near < math.log(SMALLEST_SLIP) and balance.excess(SLIP_FLOOR) >= 0.0:
         return math.log(SLIP_FLOOR), None
     found, own_slope = _root_by_secants(
         lambda log: balance.excess(min(math.exp(log), RANGE)), near, math.log(RANGE), slope
