@@ -47,6 +47,7 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import cache
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, Final
 
@@ -147,7 +148,7 @@ class Band:
     left_out: tuple[str, ...] = ()  #: Keys of quantities whose effect is not known.
 
 
-def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
+def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_slip") -> "xr.Dataset":
     """Return a result with the bands of its smallest steady slip and minimum load, as JSON in attributes.
 
     Attribute ``band`` has by name of the value "low" and "high", "dominant", the key of the quantity with the largest
@@ -163,16 +164,16 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
         The scene of the result.
     dataset : Dataset
         Result of a study with a steady slip.
-    slip : str
+    slip_name : str
         Name of the variable with the steady slip.
     """
-    slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
+    slips = np.ravel(dataset[slip_name]) if slip_name in dataset else np.empty(0)
     # no steady slip, or a cage without drag
     if not slips.size or slips[0] == 0.0 or not slips[0] < math.inf:
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
-    without = float(np.ravel(without_play(dataset)[slip])[0])
-    values = {"steady_slip": max(without, SLIP_FLOOR)}
+    slip_without_play = float(np.ravel(without_play(dataset)[slip_name])[0])
+    values = {"steady_slip": max(slip_without_play, SLIP_FLOOR)}
     if acceptable is not None and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND:
         values["minimum_load"] = float(dataset["minimum_load"])
     acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
@@ -183,10 +184,11 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             return with_play(_scale_odds(values[name], factor))
         return values[name] * factor
 
-    found = bands(scene, values["steady_slip"], acceptable_slip)
+    bands_by_name = bands(scene, values["steady_slip"], acceptable_slip)
     record = {}
-    for name, band in found.items():
-        nominal = float(dataset[slip if name == "steady_slip" else name].to_numpy().flat[0])
+    for name, band in bands_by_name.items():
+        nominal = float(dataset[slip_name if name == "steady_slip" else name].to_numpy().flat[0])
+        # the nominal value lies in its band, also where it is far from the medians
         record[name] = {
             "low": min(scaled(name, band.low), nominal),
             "high": _json_value(name, max(scaled(name, band.high), nominal)),
@@ -205,7 +207,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -
             ],
         }
     if "steady_slip" in record:
-        median = scaled("steady_slip", found["steady_slip"].median)
+        median = scaled("steady_slip", bands_by_name["steady_slip"].median)
         record["steady_slip"]["median"] = _json_value("steady_slip", median)
         if slips[0] > 0.0:  # that of a driven cage has no logarithm
             _add_pockets(record["steady_slip"], scene, dataset)
@@ -298,7 +300,8 @@ def _add_pockets(record: dict[str, Any], scene: Scene, dataset: "xr.Dataset") ->
             }
         )
     for side, sign in (("low", -1.0), ("high", 1.0)):
-        if record[side]:
+        if record[side]:  # where the cage skids it is None, and no play changes that
+            # of each quantity the change of the log-odds towards the bound, which is that of all other data at first
             changes = [_log_odds(record[side]) - _log_odds(slip)]
             changes += [
                 max(sign * (_log_odds(value) - _log_odds(slip)) for value in row["values"])
@@ -364,45 +367,44 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
     if problems or not table.distributions:
         return {}
 
-    def bearing(values: Mapping[str, float]) -> Assembly:
-        return _coarse_assembly(evolve(scene, values, si=True), nominal)
+    @cache
+    def bearing(*values: tuple[str, float]) -> Assembly:
+        return _coarse_assembly(evolve(scene, dict(values), si=True), nominal)
 
     quantiles = {
         key: tuple(distribution.quantile(np.array(QUANTILES)).tolist())
         for key, distribution in table.distributions.items()
     }
-    at_quantiles = dict[str, list[Assembly]]()
-    for key, values in quantiles.items():
-        # a value that the scene refuses leaves the effect of its quantity unknown
-        with suppress(RollslipError):
-            at_quantiles[key] = [bearing({key: value}) for value in values]
     searches = {"steady_slip": _slip_search(nominal, slip)}
     if acceptable is not None:
         searches["minimum_load"] = _load_search(nominal, acceptable)
-    found = {}
+    bands_by_name = {}
     for name, search in searches.items():
         if search is None:
             continue
+
+        def factor(values: Mapping[str, float], search: _Factor = search) -> float:
+            try:
+                return search(bearing(*values.items()))
+            except RollslipError:  # of a value that the scene refuses, the effect is not known
+                return math.nan
+
         effects = [
             QuantityEffect(
                 key,
                 known[key].unit or "",
                 values,
-                tuple(map(search, at_quantiles.get(key, ()))) or (math.nan, math.nan),
+                tuple(factor({key: value}) for value in values),
             )
             for key, values in quantiles.items()
         ]
-
-        def factor(values: Mapping[str, float], search: _Factor = search) -> float:
-            return search(bearing(values))
-
         factor_at = _by_scores(table, factor)
         if (band := _combine(effects, table.correlation, factor_at)) is not None:
-            found[name] = band
+            bands_by_name[name] = band
             if name == "steady_slip":
                 median = factor_at(dict.fromkeys(quantiles, 0.0))
-                found[name] = attrs.evolve(band, median=median)
-    return found
+                bands_by_name[name] = attrs.evolve(band, median=median)
+    return bands_by_name
 
 
 def _coarse_assembly(scene: Scene, nominal: Assembly | None = None) -> Assembly:
@@ -427,7 +429,8 @@ def _factors(
 ) -> _Factor | None:
     """Return the function that finds factors at bearings near the nominal one; None if that has no value.
 
-    A factor is NaN where the value is not known.
+    All searches start at the nominal value with one slope: that of the nominal bearing, or of the first bearing of
+    which a slope is known.
 
     Parameters
     ----------
@@ -449,27 +452,26 @@ def _factors(
 
     def factor(assembly: Assembly) -> float:
         nonlocal slope
-        try:
-            found, own_slope = log_value(assembly, start, slope)
-        except RollslipError:
-            return math.nan
+        log, own_slope = log_value(assembly, start, slope)
         slope = slope or own_slope
-        return math.exp(scale(found) - scale(start))
+        return math.exp(scale(log) - scale(start))
 
     return factor
 
 
 def _slip_search(nominal: Assembly, slip: float) -> _Factor | None:
     """Return the function that finds the factor of the odds of the steady slip; infinite where the cage skids."""
-    shared = torque_balance(nominal, n_positions=1, inertia=False)
+    nominal_balance = torque_balance(nominal, n_positions=1, inertia=False)
 
     def log_slip(
-        assembly: Assembly, near: float, slope: float | None
+        assembly: Assembly, start: float, slope: float | None
     ) -> tuple[float, float | None]:
-        balance = shared
+        balance = nominal_balance
         if assembly is not nominal:
-            balance = torque_balance(assembly, n_positions=1, inertia=False, similar=shared)
-        return _log_steady_slip(balance, near, slope)
+            balance = torque_balance(
+                assembly, n_positions=1, inertia=False, similar=nominal_balance
+            )
+        return _log_steady_slip(balance, start, slope)
 
     return _factors(
         log_slip, nominal, slip, lambda log: log if math.isinf(log) else _log_odds(math.exp(log))
@@ -477,18 +479,22 @@ def _slip_search(nominal: Assembly, slip: float) -> _Factor | None:
 
 
 def _log_steady_slip(
-    balance: TorqueBalance, near: float, slope: float | None
+    balance: TorqueBalance, start: float, slope: float | None
 ) -> tuple[float, float | None]:
-    """Return the logarithm of a steady slip near another, and the slope of the excess torque if secants found it."""
-    # the cage may be driven at the quantile of a quantity
-    if near < math.log(SMALLEST_SLIP) and balance.excess(SLIP_FLOOR) >= 0.0:
+    """Return the logarithm of a steady slip near another, and the slope of the excess torque if secants found it.
+
+    The excess is the torque by which the rollers drive the cage less the drags. It vanishes at a steady slip, and rises
+    with the slip where that is stable. Where it is positive at a slip of nearly 0, the cage slips less than that, as at
+    a quantile at which rollers drive it.
+    """
+    if start < math.log(SMALLEST_SLIP) and balance.excess(SLIP_FLOOR) >= 0.0:
         return math.log(SLIP_FLOOR), None
-    found, own_slope = _root_by_secants(
-        lambda log: balance.excess(min(math.exp(log), RANGE)), near, math.log(RANGE), slope
+    log, own_slope = _root_by_secants(
+        lambda log: balance.excess(min(math.exp(log), RANGE)), start, math.log(RANGE), slope
     )
     # a root within the tolerance of the nominal one has the nominal slope, which is that of a stable slip
     if own_slope > 0.0:
-        return found, own_slope
+        return log, own_slope
     # beyond a fold, or without a root: the smallest stable slip of the loading branch, if there is one
     branch = balance.loading_branch(RANGE)
     steady = next(iter(branch.find_steady_motions(balance.drag)), None)
@@ -501,19 +507,19 @@ def _log_steady_slip(
 
 def _load_search(nominal: Assembly, slip: float) -> _Factor | None:
     """Return the function that finds the factor of the load at which a slip is steady; NaN without a stable one."""
-    shared = torque_balance(nominal, n_positions=1, inertia=False)
+    nominal_balance = torque_balance(nominal, n_positions=1, inertia=False)
 
     def log_load(
-        assembly: Assembly, near: float, slope: float | None
+        assembly: Assembly, start: float, slope: float | None
     ) -> tuple[float, float | None]:
         def excess(log: float) -> float:
             bearing = assembly.at_load(math.exp(log))
-            return torque_balance(bearing, n_positions=1, inertia=False, similar=shared).excess(
-                slip
-            )
+            return torque_balance(
+                bearing, n_positions=1, inertia=False, similar=nominal_balance
+            ).excess(slip)
 
-        found, own_slope = _root_by_secants(excess, near, math.inf, slope)
-        return found if own_slope > 0.0 else math.nan, own_slope
+        log, own_slope = _root_by_secants(excess, start, math.inf, slope)
+        return log if own_slope > 0.0 else math.nan, own_slope
 
     return _factors(log_load, nominal, nominal.scene.operation.radial_load, lambda log: log)
 
@@ -527,7 +533,7 @@ def _root_by_secants(
     """
     try:
         slope = slope or (excess(start) - excess(start - _FIRST_STEP)) / _FIRST_STEP
-        found = secant_root(
+        root_and_slope = secant_root(
             excess,
             start,
             slope,
@@ -537,7 +543,7 @@ def _root_by_secants(
         )
     except (DomainError, ConvergenceError, OverflowError):
         return math.nan, 0.0
-    return found or (math.nan, 0.0)
+    return root_and_slope or (math.nan, 0.0)
 
 
 def _by_scores(
@@ -550,10 +556,7 @@ def _by_scores(
             key: table.distributions[key].quantile(np.array([NormalDist().cdf(score)])).item()
             for key, score in scores.items()
         }
-        try:
-            return factor(values)
-        except RollslipError:
-            return math.nan
+        return factor(values)
 
     return factor_at
 
@@ -714,12 +717,12 @@ def _is_known(name: str, value: float, before: float, after: float) -> bool:
     return is_scaled and (math.isfinite(after) or (name == SLIP and after > 0.0))
 
 
-def _compared_values(balance: TorqueBalance, near: float, acceptable: float) -> dict[str, float]:
+def _compared_values(balance: TorqueBalance, start: float, acceptable: float) -> dict[str, float]:
     """Return the steady slip near another, the reserve to the acceptable slip, and the friction torque [N m].
 
     The slip is infinite where the cage skids; what is not known is NaN.
     """
-    slip = math.exp(_log_steady_slip(balance, math.log(near), None)[0])
+    slip = math.exp(_log_steady_slip(balance, math.log(start), None)[0])
     values = {SLIP: slip, RESERVE: math.nan, TORQUE: math.nan}
     if not math.isnan(acceptable):
         values[RESERVE] = acceptable_reserve(balance, acceptable)[0]
