@@ -160,6 +160,12 @@ def test_no_film_is_thicker_than_the_layer(name, contact):
     assert gap <= 3e-6
 
 
+@pytest.mark.parametrize("name", ["pan-hamrock", "reynolds-line"])
+@pytest.mark.parametrize("thickness", ["minimum", "central"])
+def test_the_location_of_a_film_is_the_chosen_one(name, thickness):
+    assert get_model("film", name, thickness=thickness).location == thickness
+
+
 def test_the_thinner_one_of_two_layers_counts_and_flooded_films_have_none():
     own = get_model("film", "inlet-correction", oil_layer=1e-6)
     thicker = attrs.evolve(own, oil_layer=5e-6)

@@ -13,7 +13,9 @@ its length than a dry one.
 3. Between rigid bodies the gap is smaller than that by 1 + c^2, with the end x = c sqrt(2 R h_0) of the film. Without
    flow to the sides c depends on h_ff/layer alone (`squared_exit`): the less oil there is, the less pressure it
    builds up, and w ~ (layer - h_0)^2 where a contact begins to carry. Elastic bodies are parallel, r = 0: chosen, it
-   meets numerical solutions for Moes's M up to 0.3 to 3 %, and for M from 1 on and L = 10 to 9 %.
+   meets numerical solutions for Moes's M up to 0.3 to 4 %, for M from 1 on and L = 10 to 9 %, and is up to 31 % low for
+   M from 3 to 10 and L = 0. A model that gives the smallest film is taken back to h_ff by the same relation; a central
+   film counts as h_ff.
 
 The law is a table over the load. Its approach is measured from the gap at which the contact begins to carry, which is
 the gap without load: the layer of oil on the surfaces, or `_THICKEST_LAYER` where there is oil in plenty. The

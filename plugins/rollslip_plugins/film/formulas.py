@@ -305,7 +305,6 @@ class PanHamrock(FilmModel):
         "h/R = 1.714 W^-0.128 U^0.694 G^0.568 (minimum); 2.922 W^-0.166 U^0.692 G^0.470 (central)"
     )
     references: ClassVar[tuple[Reference, ...]] = (PAN_1989,)
-    location: ClassVar[str] = "minimum or central, as chosen"
     regime: ClassVar[str] = "VE"
     other_regime_error: ClassVar[tuple[float, float] | None] = (-86.5, 14.6)
     domain = PIEZOVISCOUS
@@ -315,6 +314,11 @@ class PanHamrock(FilmModel):
         validator=choice_of("minimum", "central"),
         doc="which film thickness: 'minimum' or 'central'",
     )
+
+    @property
+    def location(self) -> str:  # type: ignore[override]
+        """Which film thickness it returns, the chosen one."""
+        return self.thickness
 
     @property
     def law(self) -> PowerLaw:

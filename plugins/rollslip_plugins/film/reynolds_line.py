@@ -68,7 +68,6 @@ class ReynoldsLine(FilmModel):
         MOES_1992,
         HAIRER_1996.at("section IV.5"),
     )
-    location: ClassVar[str] = "minimum, central or dp/dx = 0, as chosen"
 
     thickness: str = parameter(
         default="minimum",
@@ -86,6 +85,11 @@ class ReynoldsLine(FilmModel):
         possible=ACCURACIES,
     )
     law: PressureViscosity = from_oil()
+
+    @property
+    def location(self) -> str:  # type: ignore[override]
+        """Which film thickness it returns, the chosen one."""
+        return self.thickness
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
