@@ -1064,3 +1064,17 @@ def test_an_approach_of_the_inner_ring_is_told_whichever_roller_carried_it_befor
         assert told > 0.0 or told == pytest.approx(most, abs=1e-12)
         signs.append(most > 0.0)
     assert 5 < sum(signs) < 35
+
+
+def test_typical_speeds_are_those_of_a_roller_that_swings_by_a_typical_deflection():
+    """Its energy is the work of the force on it over the deflection; scales of tolerances follow from both."""
+    bearing = assemble(load_scene("1032930-70C"))
+    scale = planar_module._scale(bearing, bearing.cage, None)
+    length, speed = scale[[0, 2]]
+    load = bearing.scene.operation.radial_load / bearing.scene.bearing.rollers
+    force = max(load, bearing.centrifugal_force, 1.0)
+    assert bearing.roller_mass * speed**2 == pytest.approx(force * length)
+    deflected = bearing.deflect(np.array([length]), "outer")[0]
+    assert float(deflected[0].mean()) * bearing.scene.bearing.roller_length == pytest.approx(
+        force, rel=0.02
+    )
