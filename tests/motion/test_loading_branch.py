@@ -148,14 +148,7 @@ def test_a_branch_that_ends_before_a_law_has_no_value_states_both():
             raise DomainError("the law has no value")
         return 1.0 + logit
 
-    class Motionless(Torques):
-        def find(self, slips, starts=None):
-            return [
-                [attrs.evolve(motion, converged=motion.slip < 0.5)]
-                for (motion,) in super().find(slips, starts)
-            ]
-
-    motions = Motionless(torque)
+    motions = Torques(torque, converges_to=0.5)
     branch = find_loading_branch(motions, 0.9, motions)
     assert branch.end < 0.5
     assert branch.refusal.startswith("the search for the motion of the rollers does not converge")
@@ -588,14 +581,18 @@ def curve(*torques, gaps=()):
 
 
 class Torques:
-    """Motions of a bearing whose torque is a function of logit(S); none continues across the ``end`` of one."""
+    """Motions of a bearing whose torque is a function of logit(S).
+
+    None continues across the ``end`` of one, and they converge up to the slip ``converges_to``.
+    """
 
     resists = False
     n_positions = 1
     find_from = Motions.find_from
 
-    def __init__(self, torque, *, end=math.inf, fine=None):
+    def __init__(self, torque, *, end=math.inf, fine=None, converges_to=1.0):
         self.torque = torque
+        self.converges_to = converges_to
         self.end = end
         self.fine = fine or self
         self.count = 0
@@ -607,7 +604,7 @@ class Torques:
         self.count += slips.size
         torques = [self.at_slip(slip) for slip in slips.tolist()]
         return [
-            [Motion(slip, torque, np.zeros(1), 1.0, True)]
+            [Motion(slip, torque, np.zeros(1), 1.0, slip < self.converges_to)]
             for slip, torque in zip(slips.tolist(), torques, strict=True)
         ]
 

@@ -210,7 +210,10 @@ class LoadingBranch:
 
     @property
     def maximum(self) -> tuple[float, float]:
-        """Slip and torque [N m] of the largest torque on the branch, which may be at the end of the range."""
+        """Slip and torque [N m] of the largest torque on the branch, which may be at the end of the range.
+
+        Of a branch with jumps it is at one of these or at the end: elsewhere a torque above all before rises further.
+        """
         motions = self.motions[-1:] if self.jumps else self.motions
         candidates = [(motion.slip, motion.torque) for motion in motions]
         candidates += [(jump.slip, jump.drag) for jump in self.jumps]

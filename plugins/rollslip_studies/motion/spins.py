@@ -469,13 +469,16 @@ class Motions:
         return np.asarray(self.assembly.kinematics.roller_slip_outer_rolling(slips))
 
     def distance(self, first: Array, second: Array) -> float:
-        """Load-weighted L1 distance of normalised roller slips, relative to that of rolling on either ring."""
+        """Load-weighted L1 distance of normalised roller slips, at most 1 from rolling on one ring to the other."""
         return float(self._weight @ np.abs(first - second))
 
     def contacts(
         self, slips: Array, n_loads: int | None = None
     ) -> tuple[ConventionalFriction, ConventionalFriction]:
-        """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
+        """Contacts of inner and outer ring at all positions of the orbits of some cage slips.
+
+        The contacts at the last slips are stored. With ``n_loads`` a Gauss rule of as many loads stands for the slices.
+        """
         key = slips.tobytes()
         if self._last[0] != key:
             angle = np.tile(self._orbit[1], slips.size)

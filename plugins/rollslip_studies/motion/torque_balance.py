@@ -195,7 +195,7 @@ class TorqueBalance:
 
     @property
     def rolls_freely(self) -> bool:
-        """Whether nothing resists: no torque on the cage and no resistance to rolling."""
+        """Whether nothing resists: neither a torque on the cage nor rolling resistance, so that it has no slip."""
         return not self.drags.torques and not self.assembly.inner.chain.resists
 
     def with_inertia(self, inertia: bool) -> "TorqueBalance":
@@ -268,7 +268,7 @@ class TorqueBalance:
         return found
 
     def orbit_from_motion(self, motion: Motion) -> Orbit:
-        """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
+        """Return a motion that was found on all slices, such as that of a steady slip, with its forces."""
         contacts = self.contacts(motion.slip)
         tractions, _ = self._forces(motion.slip, motion.roller_slip, contacts)
         return Orbit(
@@ -339,7 +339,8 @@ def torque_balance(
 ) -> TorqueBalance:
     """Return the torque balance of a bearing, with all resistances of its rollers, on 56 to 512 positions.
 
-    More positions estimate the error of a maximum by themselves; averages over a pitch may need more positions.
+    Few positions suffice for a maximum of the torque, whose error is estimated by four times as many. Means over a
+    pitch may need more.
 
     Parameters
     ----------
