@@ -463,14 +463,14 @@ def choose_by_curves(
         left_out.append(BoundaryFriction(limit))
     reference: Sample | None = None
     groups = {name: _BOUND_MARGIN * size for name, size in extremes.groups.items()}
-    hottest = _BOUND_MARGIN * extremes.hottest
-    lightest = extremes.lightest / _BOUND_MARGIN
+    heating_bound = InletHeating(_BOUND_MARGIN * extremes.hottest)
+    load_bound = LightContacts(extremes.lightest / _BOUND_MARGIN)
     has_film_pressure = coarse.pressure in coarse.inner.chain.models
     for name, applies, changes, bound in (
-        ("inlet_heating", coarse.film.inlet_heating, {"inlet_heating": False}, InletHeating(hottest)),
-        ("light_contacts", has_film_pressure, {"light_contacts": False}, LightContacts(lightest)),
+        ("inlet_heating", coarse.film.inlet_heating, {"inlet_heating": False}, heating_bound),
+        ("light_contacts", has_film_pressure, {"light_contacts": False}, load_bound),
         ("law", groups, {"traction": law.closed_form}, ExactLaw(law, groups)),
-    ):  # fmt: skip
+    ):
         if not (applies and cheaper_laws):
             continue
         if reference is None:
@@ -723,11 +723,10 @@ class _ReferenceComparison:
     def errors_of(self, coarse: Any, fine: Any) -> Errors:
         """Return the relative differences of a solution from a finer one: of samples, or over all slips."""
         study = self.curve_study
-        errors = (
-            sample_errors(coarse, fine)
-            if isinstance(fine, tuple)
-            else errors_between(study.controlled_outputs, coarse, fine)
-        )
+        if isinstance(fine, tuple):
+            errors = sample_errors(coarse, fine)
+        else:
+            errors = errors_between(study.controlled_outputs, coarse, fine)
         return {name: errors[name] for name in errors if name not in study.compared_as_values}
 
     def slice_errors(self, n_positions: int) -> Errors:
@@ -796,8 +795,7 @@ class _ReferenceComparison:
         half = (m + 1) // 2
         coarser = self.errors_of(self.solution(at, half), reference) if half < m else {}
         return {
-            name: observed_order(half, m, coarser.get(name, 0.0), change)
-            for name, change in changes.items()
+            name: observed_order(half, m, coarser.get(name, 0.0), changes[name]) for name in changes
         }
 
     def estimate_parts(self) -> ErrorEstimate:
@@ -839,11 +837,8 @@ class _ReferenceComparison:
             name: min(max(order, MIN_ORDER), JOINT_ORDER) for name, order in estimate.orders.items()
         }
         # continued curves depend on more than the few slips of a probe
-        has_curves = (
-            bool(estimate.errors.get("slices"))
-            and "n_positions" in estimate.errors
-            and not self.curve_study.uses_continuation
-        )
+        is_probed = not self.curve_study.uses_continuation and self.curve_study.is_averaged
+        has_curves = is_probed and bool(estimate.errors.get("slices"))
         gauss_numbers, same_rule_numbers = joint_references(
             self.assembly.slices, resolution.n_positions or 1, resolution.quadrature
         )
@@ -945,10 +940,9 @@ def estimate_error(
     try:
         if curve_study is not None:
             estimate = comparison.estimate_parts()
-        elif assembly.slices == 1:
-            estimate = ErrorEstimate(errors={"n_positions": {}})
         else:
-            estimate = ErrorEstimate(errors={"slices": {}, "n_positions": {}})
+            parts = _NUMBER_NAMES if assembly.slices > 1 else ("n_positions",)
+            estimate = ErrorEstimate(errors={part: {} for part in parts})
         if not accuracy.exact:
             estimate = comparison.with_joint_errors(estimate)
     except ConvergenceError as refusal:  # what was computed stands
@@ -988,7 +982,7 @@ def refine_resolution(
         return None
     aims = {name: _REFINED_FRACTION * accuracy.of(name) for name in exceeded}
     excess = " and ".join(
-        f"{name.replace('_', ' ')} off by {size:.1e}" for name, size in exceeded.items()
+        f"{name.replace('_', ' ')} off by {exceeded[name]:.1e}" for name in exceeded
     )
     by_models = error.separate_errors.get(LEFT_OUT, {})
     if exceeded.keys() & exceeding(by_models, accuracy, _REFINED_FRACTION).keys():
@@ -1047,10 +1041,8 @@ def _refined_numbers(
         factor = min(max(1.0, joint_factors[part], *factors), _MAX_FACTOR)
         refined[part] = max(min(math.ceil(factor * numbers[part]), limits[part]), numbers[part])
         if errors:
-            remaining[part] = {
-                name: size * (numbers[part] / refined[part]) ** orders[name]
-                for name, size in errors.items()
-            }
+            ratio = numbers[part] / refined[part]
+            remaining[part] = {name: errors[name] * ratio ** orders[name] for name in errors}
     return refined, remaining
 
 
@@ -1072,9 +1064,7 @@ def _with_contact_parts(choice: ResolutionChoice, excess: str) -> ResolutionChoi
         resolution=choice.complete_resolution,
         left_out=(),
         errors={
-            part: errors
-            for part, errors in choice.errors.items()
-            if part not in (*_CONTACT_PARTS, "law")
+            part: choice.errors[part] for part in choice.errors if part not in _SIMPLIFICATIONS
         },
         refinement_reason=f"what was left out of a contact was seen to leave {excess}",
     )
