@@ -3,6 +3,7 @@
 References are runs on other slices, instants and slips, at least four times as many of each; see promise_scenes.py.
 """
 
+import functools
 import json
 import math
 import re
@@ -62,10 +63,22 @@ JUMPS = evolve(
 )
 
 
-def test_rollers_that_jump_between_two_balances_are_told_of():
+@functools.cache
+def planned(closure):
+    """Return the plan of the rollers that jump, with another closure."""
+    return plan(evolve(JUMPS, {f"study.{STUDY}.closure": closure}, si=True), STUDY)
+
+
+@pytest.fixture(scope="module")
+def as_planned():
+    """The result of the rollers that jump as their plan has it."""
+    return execute(planned("free-roller"), STUDY, fixed_resolution=True)
+
+
+def test_rollers_that_jump_between_two_balances_are_told_of(as_planned):
     """The plan sees a tenth of it or less, since its few slips lie beside those at which rollers jump."""
-    made = plan(JUMPS, STUDY)
-    result = execute(made, STUDY, fixed_resolution=True)
+    made = planned("free-roller")
+    result = as_planned
     fine = finer(made.studies[STUDY], JUMPS, made.choices[STUDY].resolution, 4)
     actual = errors_between(made.studies[STUDY].controlled_outputs, result, fine)["friction"]
     (row,) = (row for row in json.loads(result.attrs["accuracy"]) if row["result"] == "friction")
@@ -81,9 +94,9 @@ def test_rollers_that_jump_between_two_balances_are_told_of():
     assert said.endswith("the positions; type --set accuracy.tolerance=exact")
 
 
-def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
+def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so(as_planned):
     """With four times as many instants, and as that is not enough with the most of all; what is left is told still."""
-    made = plan(JUMPS, STUDY)
+    made = planned("free-roller")
     result = execute(made, STUDY)
     resolution = attrs.evolve(
         made.choices[STUDY].resolution, n_positions=result.attrs["n_positions"]
@@ -92,10 +105,9 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
     assert result.attrs["n_positions"] == 128
     assert json.loads(result.attrs["resolution"])["n_positions"] == 128
     fine = finer(made.studies[STUDY], JUMPS, resolution, 8)
-    planned = execute(made, STUDY, fixed_resolution=True)
     before, after = (
         errors_between(made.studies[STUDY].controlled_outputs, one, fine)["friction"]
-        for one in (planned, result)
+        for one in (as_planned, result)
     )
     assert after < 0.5 * before
     assert [
@@ -112,15 +124,15 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so():
         line["reason"],
     )
     (line_before,) = (
-        one for one in json.loads(planned.attrs["plan"]) if one["part"] == line["part"]
+        one for one in json.loads(as_planned.attrs["plan"]) if one["part"] == line["part"]
     )
     assert line["seconds"] == pytest.approx(128 / 24 * line_before["seconds"])
 
 
 def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     """Errors fourfold: second order asks for 4^(1/2)/0.35^(1/2) times as many, others for four times."""
-    epicyclic = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
-    free = plan(JUMPS, STUDY)
+    epicyclic = planned("epicyclic")
+    free = planned("free-roller")
 
     def then(made, errors, orders, joint_errors=None, **changes):
         estimated = attrs.evolve(made.choices[STUDY], **changes)
@@ -219,7 +231,8 @@ HIDDEN = {69: "critical_slip", 587: "film parameter"}
 @pytest.mark.parametrize("k", HIDDEN)
 def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k):
     """The pressure of light contacts that 12 slices of 4 positions do not meet; heat of an inlet, by the film."""
-    result = execute(plan(_hidden(k), STUDY), STUDY)
+    made = plan(_hidden(k), STUDY)
+    result = execute(made, STUDY)
     resolution = json.loads(result.attrs["resolution"])
     assert resolution["light_contacts"]
     assert resolution["inlet_heating"]
@@ -229,9 +242,9 @@ def test_what_few_slips_take_for_nothing_is_taken_back_where_it_moves_a_number(k
     assert _film_off(result, fine) < 1e-3
     off = abs(result["critical_cage_slip"] / fine["critical_cage_slip"] - 1.0)
     assert float(off.max()) < 1e-3
-    planned = execute(plan(_hidden(k), STUDY), STUDY, fixed_resolution=True)
+    first = execute(made, STUDY, fixed_resolution=True)
     (found,) = (
-        row["found"] for row in json.loads(planned.attrs["accuracy"]) if row["result"] == HIDDEN[k]
+        row["found"] for row in json.loads(first.attrs["accuracy"]) if row["result"] == HIDDEN[k]
     )
     assert found > 1e-3
 
@@ -330,7 +343,7 @@ def test_too_few_slices_or_instants_are_seen(slices, n_positions):
 
 
 def test_a_kept_word_has_no_warning():
-    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
+    made = planned("epicyclic")
     result = execute(made, STUDY)
     assert all(row["found"] <= row["tolerance"] for row in json.loads(result.attrs["accuracy"]))
     assert not any(
@@ -341,7 +354,7 @@ def test_a_kept_word_has_no_warning():
 
 def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     """Errors tenfold: of second order a tolerance of a tenth, of first order of a hundredth, halved for safety."""
-    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
+    made = planned("epicyclic")
     errors = {"n_positions": {"friction": 1e-2}}
     for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
         (said,) = error_warnings(
@@ -368,7 +381,7 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
 
 
 def test_what_slices_and_instants_hide_from_each_other_is_told():
-    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}, si=True), STUDY)
+    made = planned("epicyclic")
     error = ErrorEstimate(
         errors={"n_positions": {"friction": 2e-4}},
         joint_errors={"friction": 1.3e-3, "cage slip": 3e-3},

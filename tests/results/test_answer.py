@@ -462,7 +462,7 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
 
 def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
     folder, *_ = ran
-    given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN"]
+    given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN", *SET_COARSE]
     page = folder / "safe" / "report.html"
     done = CliRunner().invoke(
         cli, ["run", *given, "--study", "steady-slip", "--report", "--out", str(page.parent)]
