@@ -396,9 +396,7 @@ def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> 
 # Memory ------------------------------------------------------------------------------
 
 
-def require_memory(
-    studies: Mapping[str, Study], assembly: Assembly, memory: float | None = None
-) -> None:
+def require_memory(studies: Mapping[str, Study], assembly: Assembly) -> None:
     """Refuse studies whose results do not fit into memory.
 
     Parameters
@@ -407,16 +405,13 @@ def require_memory(
         Studies by name.
     assembly : Assembly
         The bearing as the scene states it.
-    memory : float, optional
-        Memory [bytes]; by default that of this machine.
 
     Raises
     ------
     SceneError
         If one does not fit.
     """
-    if memory is None:
-        memory = _memory()
+    memory = _memory()
     problems = []
     for study in studies.values():
         numbers = study.numbers(assembly)

@@ -92,8 +92,8 @@ def _band(low: float, high: float, unit: str = "1", quantity: str = "") -> str:
     return f" ({' to '.join(texts)})"
 
 
-def unique_texts(dataset: "xr.Dataset", *names: str, prefix: str = "row") -> list[tuple[str, ...]]:
-    """Return the combinations of texts of rows or statements, each once, in their order.
+def unique_texts(dataset: "xr.Dataset", *names: str) -> list[tuple[str, ...]]:
+    """Return the combinations of texts of rows, each once, in their order.
 
     Parameters
     ----------
@@ -101,10 +101,8 @@ def unique_texts(dataset: "xr.Dataset", *names: str, prefix: str = "row") -> lis
         Result of a validation.
     *names : str
         Names of text variables without their prefix.
-    prefix : str
-        "row" or "statement".
     """
-    columns = [map(str, dataset[f"{prefix}_{name}"].to_numpy()) for name in names]
+    columns = [map(str, dataset[f"row_{name}"].to_numpy()) for name in names]
     return list(dict.fromkeys(zip(*columns, strict=True)))
 
 
