@@ -65,9 +65,8 @@ def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
     assembly : Assembly
         The bearing with the resolution of the run.
     """
-    study.moving(assembly)
+    tables = processor_time(partial(study.moving, assembly))
     moving = study.moving(assembly)
-    tables = processor_time(partial(study.moving, assembly), 1)
     sliced = study.friction == "conventional" and moving.friction.uses_slices
     trial = study.moving(with_coarse_slices(assembly)) if sliced else moving
     evaluations, seconds, last = _estimate_evaluations(study, trial)
