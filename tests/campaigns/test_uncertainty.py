@@ -225,9 +225,9 @@ def _points(status, slips):
 
 def test_samples_have_play_in_the_pockets():
     """Their slips are those of rollers set in the cage by the curves of a run; loads change as that of the run."""
-    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 7, "models.approach": "dry"})
+    scene = rollslip.evolve(load_scene("gearbox"), {"accuracy.slices": 5, "models.approach": "dry"})
     nominal = without_bands.run(scene, "steady-slip")
-    options = {"samples": 8, "loads": 2}
+    options = {"samples": 4, "loads": 2}
     found = uncertainty(scene, **options)
     play = found["value"]
     run = {
