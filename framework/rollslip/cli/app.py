@@ -239,8 +239,7 @@ def scene_of(name: str, changes: Sequence[str], over: Sequence[str] = ()) -> "Sc
         for note in notes:
             click.echo(f"note: {note}", err=True)
     scene = evolve(scene, dict(map(parse_set, changes)))
-    varied = {full_key(text.partition("=")[0]) for text in over}
-    warn(implausible(scene, varied))
+    warn(implausible(scene, {full_key(text.partition("=")[0]) for text in over}))
     return scene
 
 

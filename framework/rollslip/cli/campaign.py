@@ -80,8 +80,9 @@ class Printing:
 
         found = answer(dataset, scene=scene)
         folder = shlex.quote(str(results.target))
-        steps = tuple(step.replace("FOLDER", folder) for step in found.next)
-        found = attrs.evolve(found, next=steps)
+        found = attrs.evolve(
+            found, next=tuple(step.replace("FOLDER", folder) for step in found.next)
+        )
         console.print_answer(found, max_lines=MAX_LINES - 1)  # the line on files follows
         if self.all_rows or self.verbose:
             console.print_tables(dataset)
@@ -156,8 +157,7 @@ def with_settings(cls: type[Campaign], run: Callable[..., None]) -> Any:
 
     def with_campaign(changes: tuple[str, ...] = (), **given: Any) -> None:
         settings = {name: given.pop(name) for name in names & given.keys()}
-        first = settings[arguments[0].name]
-        about = ", ".join(map(str, as_list(first)))
+        about = ", ".join(map(str, as_list(settings[arguments[0].name])))
         if issubclass(cls, OfScene):
             over = settings.get("over") or ()
             settings["scene"] = scene_of(
@@ -187,8 +187,7 @@ class _Option(click.Option):
         try:
             return super().process_value(ctx, value)
         except click.MissingParameter as error:
-            text = f"{self.metavar}: {self.help}"
-            raise click.MissingParameter(text, ctx, self) from error
+            raise click.MissingParameter(f"{self.metavar}: {self.help}", ctx, self) from error
 
 
 def _option(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
@@ -335,8 +334,7 @@ def _typed_command() -> list[str]:
             "verbose",
             "all_rows",
         }:
-            value = context.params[name]
-            for text in as_list(value):
+            for text in as_list(context.params[name]):
                 prefix = "" if isinstance(parameter, click.Argument) else f"{parameter.opts[0]}="
                 arguments.append(f"{prefix}{text}")
     return arguments

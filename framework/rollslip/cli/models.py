@@ -70,8 +70,7 @@ def _print_kinds(verbose: bool) -> None:
     """Print the names of each kind, some of them or all; kinds with few names share a line."""
     names = {kind: _names(kind) for kind in offered_kinds()}
     small = {} if verbose else {kind: n for kind, n in names.items() if len(n) <= _MAX_LISTED}
-    count = sum(map(len, names.values()))
-    click.echo(f"{count} models and data sets of {len(names)} kinds")
+    click.echo(f"{sum(map(len, names.values()))} models and data sets of {len(names)} kinds")
     for kind, every in names.items():
         if kind in small:
             continue
@@ -344,8 +343,7 @@ def _print_model(kind: str, name: str) -> None:
         click.echo(f"equation    {about['equation']}\n")
     for key in ("returns", "regime", "range", "validity", "source"):
         if key in about:
-            value = " to ".join(as_list(about[key]))
-            click.echo(f"{key:<11} {value}")
+            click.echo(f"{key:<11} {' to '.join(as_list(about[key]))}")
     _print_data(kind, name, about)
     _print_law(about)
     if about["references"]:

@@ -519,8 +519,9 @@ class Sheet:
         if width < _LETTER * letters + _HANDLE * len(groups):
             room = int((width / len(groups) - _HANDLE) / _LETTER)
             for handle in self.handles:
-                label = textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False)
-                handle.set_label(label)
+                handle.set_label(
+                    textwrap.fill(str(handle.get_label()), room, break_on_hyphens=False)
+                )
         rows = max(
             (sum(str(handle.get_label()).count("\n") + 1 for handle in group) for group in groups),
             default=0,

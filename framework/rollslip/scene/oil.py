@@ -51,8 +51,9 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
         if not isinstance(value, Mapping):
             if name not in parameters and None not in models.values():
                 used = ", ".join(law.name for law in laws)
-                text = f"no law of this scene has such a parameter: {used}"
-                messages.append(where.at(name).message(text))
+                messages.append(
+                    where.at(name).message(f"no law of this scene has such a parameter: {used}")
+                )
         elif name not in known:
             similar = " or ".join(nearest(name, known))
             hint = f"; did you mean {similar}?" if similar else ""

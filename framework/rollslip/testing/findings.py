@@ -61,8 +61,7 @@ def name_of(model: object) -> str:
 
 def expected_of(model: object, given: Mapping[str, str]) -> dict[str, str]:
     """Return the expected failures of a model, those of its class and those given: check -> reason."""
-    declared = getattr(model, "expected_failures", NONE_EXPECTED)
-    expected = {**declared, **given}
+    expected = {**getattr(model, "expected_failures", NONE_EXPECTED), **given}
     known = {check.__name__ for check in all_checks()}
     for check, reason in expected.items():
         if check not in known:

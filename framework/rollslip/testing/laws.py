@@ -524,8 +524,9 @@ def check_oil_has_description_and_references(oil: Lubricant) -> None:
 @rule(Lubricant)
 def check_viscosity_falls_with_temperature(oil: Lubricant) -> None:
     """Every liquid's does, and the film heating rests on it; every property it has is positive and finite."""
-    temperatures = np.linspace(oil.minimum_temperature, oil.maximum_temperature, 201)
-    states = [oil.at(float(T)) for T in temperatures]
+    states = [
+        oil.at(float(T)) for T in np.linspace(oil.minimum_temperature, oil.maximum_temperature, 201)
+    ]
     for before, after in pairwise(states):
         refuse_unless(
             after.viscosity < before.viscosity,

@@ -190,8 +190,9 @@ def picked(slices: Slices, order: Any) -> Slices:
 
 def with_scene(model: Any) -> Any:
     """Return a model with typical values for what it leaves to a scene."""
-    given = {a.name: SCENE[a.metadata["from_scene"]] for a in left_to_scene(model)}
-    return attrs.evolve(model, **given)
+    return attrs.evolve(
+        model, **{a.name: SCENE[a.metadata["from_scene"]] for a in left_to_scene(model)}
+    )
 
 
 # Values of a member --------------------------------------------------------------------------------------------------

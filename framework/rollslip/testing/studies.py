@@ -189,8 +189,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
             name in result and result[name].dims == dims,
             f"there is no {name!r} over {' and '.join(dims)}",
         )
-    parts = list(study.loaded_slices(_assembly(), result))
-    count = {part.curve for part in parts}
+    count = {part.curve for part in study.loaded_slices(_assembly(), result)}
     refuse_unless(
         count == set(range(result.sizes[curves.over])),
         f"loaded_slices() gives slices of the curves {count}",

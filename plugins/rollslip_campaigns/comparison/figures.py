@@ -138,8 +138,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     for name in ("curves", "differences"):
         panels[name].set_xlim(0.0, 100 * float(selected[of.slip][-1]))
     if has_costs:
-        colours = [style["color"] for style in _styles(dataset)]
-        _draw_costs(panels["costs"], error, cost, colours)
+        _draw_costs(panels["costs"], error, cost, [style["color"] for style in _styles(dataset)])
     longest = max(len(str(handle.get_label())) for handle in sheet.handles)
     return sheet.done(columns=max(1, min(4, int(140 / (6 + longest)))))
 

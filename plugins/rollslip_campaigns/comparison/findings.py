@@ -337,8 +337,7 @@ class AlternativesAccount(Account):
         failed = [f"{row['alternative']} failed" for row in rows if row["message"]]
         summary = "no alternative has a result"
         if done:
-            cells = answers.get(done[0]["alternative"], {})
-            slip = cells.get("cage_slip", "")
+            slip = answers.get(done[0]["alternative"], {}).get("cage_slip", "")
             summary = f"{done[0]['alternative']} first: {done[0]['verdict']}, cage slip {slip}"
         if len(done) > 1:
             summary += (

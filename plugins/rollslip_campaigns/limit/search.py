@@ -144,8 +144,7 @@ def refuse_text_output(name: str) -> SceneError:
 
 def brackets(slacks: Mapping[int, float]) -> list[tuple[int, int]]:
     """Return the indices of neighbours, (lower, upper), of which one is within the limit and the other is not."""
-    indices = sorted(slacks)
-    return [(a, b) for a, b in pairwise(indices) if (slacks[a] >= 0.0) != (slacks[b] >= 0.0)]
+    return [(a, b) for a, b in pairwise(sorted(slacks)) if (slacks[a] >= 0.0) != (slacks[b] >= 0.0)]
 
 
 def next_indices(slacks: Mapping[int, float], failed: Collection[int], spacing: int) -> list[int]:

@@ -66,8 +66,9 @@ def _sweep_run(requested: SweepSettings, about: str, results: Results, printing:
     planned = requested.plan()
     warn_unusual(planned)
     results.choose_folder(requested.folder_name(planned, about))
-    folder = create_folder(planned, results.target)
-    _run_sweep(planned, folder, (), results, printing, typed_scene(about))
+    _run_sweep(
+        planned, create_folder(planned, results.target), (), results, printing, typed_scene(about)
+    )
 
 
 sweep.command("run")(with_settings(SweepSettings, _sweep_run))
@@ -89,8 +90,7 @@ def sweep_resume(
     """Compute the points of the sweep in FOLDER that are not done yet."""
     from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
-    planned = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(planned, folder, (), results, printing)
+    _run_sweep(with_engine(open_sweep(folder), engine, time_limit), folder, (), results, printing)
 
 
 @sweep.command("retry")

@@ -256,8 +256,9 @@ def _format_coordinate(coordinate: "xr.DataArray") -> str:
     value = coordinate.item()
     if not isinstance(value, float):
         return str(value)
-    given = coordinate.attrs.get("written_in")
-    return format_quantity(value, coordinate.attrs.get("units", "1"), 4, given)
+    return format_quantity(
+        value, coordinate.attrs.get("units", "1"), 4, coordinate.attrs.get("written_in")
+    )
 
 
 def _format_value(value: float, name: str, unit: str) -> str:

@@ -386,8 +386,7 @@ class _OutputArrays:
     def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
         """Set the values of a point from its row."""
         values = unpack_values(layout, numbers, texts)
-        dims = _dims(layout)
-        for dim in self.index_names.keys() & dims:
+        for dim in self.index_names.keys() & _dims(layout):
             values[dim] = (
                 np.array(layout["coords"][dim]["values"])
                 if dim in layout["coords"]

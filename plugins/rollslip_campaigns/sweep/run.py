@@ -257,8 +257,9 @@ def requested_engine(sweep: Sweep) -> Engine | None:
     """Return the engine that a sweep requests, None if it requests none; an unusable one raises an error."""
     if sweep.table.engine is None:
         return None
-    where = Location(sweep.given.origins, ("sweep", "engine"))
-    engine: Engine = right_model("engine", sweep.table.engine, where)
+    engine: Engine = right_model(
+        "engine", sweep.table.engine, Location(sweep.given.origins, ("sweep", "engine"))
+    )
     _check(sweep, engine)
     return engine
 

@@ -166,8 +166,7 @@ class ValidationAccount(Account):
         ]
         sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
         estimated = sum(len(about["estimated"]) for about in sets.values() if not about["form"])
-        agreeing = (INSIDE, CONFIRMED)
-        body.sort(key=lambda cells: cells[-1] in agreeing)
+        body.sort(key=lambda cells: cells[-1] in (INSIDE, CONFIRMED))
         return Answer(
             summary=summary,
             rows=tuple(

@@ -448,8 +448,7 @@ def evaluate_statement(
     for step, value in zip(statement.steps, values, strict=True):
         text = f"no value ({value.reason.partition(';')[0]})"
         if not math.isnan(value.value):
-            quantity = step.quantity or statement.quantity
-            text = format_value(value.value, statement.unit, quantity)
+            text = format_value(value.value, statement.unit, step.quantity or statement.quantity)
         texts.append(f"{step.text}: {text}")
     verdict = check_statement(statement, np.array([value.value for value in values]))
     return labels | {"statement_verdict": verdict, "statement_found": ", ".join(texts)}

@@ -610,8 +610,7 @@ def _other_events(dataset: "xr.Dataset") -> list[float]:
     passages = [time for time, _ in skidding_passages(dataset)]
     times = np.setdiff1d(dataset["event_time"].to_numpy(), passages)
     distance = max(float(dataset["time"][-1]), 1e-300) / _MAX_EVENT_MARKS
-    rounded = _scale(dataset) * distance * np.unique(np.round(times / distance))
-    return list(map(float, rounded))
+    return list(map(float, _scale(dataset) * distance * np.unique(np.round(times / distance))))
 
 
 def _resolved(dataset: "xr.Dataset") -> bool:

@@ -360,8 +360,7 @@ def _heat_by_place(
         if torque.against in RINGS:
             speed = speeds[RINGS.index(torque.against)]
             middle = 0.5 * (speed[1:] + speed[:-1])
-        generated = fraction * (middle * impulse - work)
-        heat[place] = heat.get(place, 0.0) + _cumulative(generated)
+        heat[place] = heat.get(place, 0.0) + _cumulative(fraction * (middle * impulse - work))
     return heat
 
 

@@ -649,8 +649,9 @@ def bearing_at(assembly: Assembly, dataset: "xr.Dataset", index: int) -> Assembl
     index : int
         Index of the stored time.
     """
-    given = {
-        name: float(dataset[name][index]) for name in json.loads(dataset.attrs.get("history", "[]"))
+    temperatures = {
+        name: float(dataset[name][index])
+        for name in json.loads(dataset.attrs.get("history", "[]"))
+        if name in TEMPERATURES
     }
-    operation = {name: value for name, value in given.items() if name in TEMPERATURES}
-    return with_operation(assembly, operation)
+    return with_operation(assembly, temperatures)

@@ -80,8 +80,7 @@ class EffectiveFrictionAccount(PlainAccount):
                     slip=slip,
                 )
             )
-        answer = Answer(rows=tuple(rows), commands=next_of_others(dataset))
-        return with_assumptions(answer, dataset)
+        return with_assumptions(Answer(rows=tuple(rows), commands=next_of_others(dataset)), dataset)
 
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

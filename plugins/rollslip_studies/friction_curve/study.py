@@ -133,8 +133,9 @@ class FrictionCurve(Study):
 
     def curves(self, assembly: Assembly, slip: Array, n_positions: Sequence[int]) -> Array:
         """Return friction for each normal force, the same for all numbers of positions, (k, forces, n)."""
-        contacts = self.contacts(assembly)
-        found = _friction([(loaded, self.rolling_speed(assembly), slip) for loaded in contacts])
+        found = _friction(
+            [(loaded, self.rolling_speed(assembly), slip) for loaded in self.contacts(assembly)]
+        )
         return np.broadcast_to(found, (len(n_positions), len(found), slip.size))
 
     def rolling_speed(self, assembly: Assembly) -> float:

@@ -162,8 +162,7 @@ class SurfaceDamage(Study):
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the damage models, each with its kind."""
-        measures = _measures(assembly)
-        return *self._steady.models(assembly), *(("damage", model) for model in measures)
+        return *self._steady.models(assembly), *(("damage", model) for model in _measures(assembly))
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the processor time [s] of the run, from that of one orbit; measures take next to nothing."""
@@ -242,8 +241,9 @@ class SurfaceDamage(Study):
         with np.errstate(all="ignore"):
             ratio = np.abs(dataset["worst"] / reference - 1.0)
             deviation = np.where(reference == dataset["worst"], 0.0, ratio)
-        is_known = np.isfinite(dataset["worst"].values)
-        for model, row, known in zip(measures, deviation, is_known, strict=True):
+        for model, row, known in zip(
+            measures, deviation, np.isfinite(dataset["worst"].values), strict=True
+        ):
             if known.any():
                 largest = np.nan_to_num(row[known], nan=np.inf).max()
                 errors[f"worst {model.measure}"] = float(largest)

@@ -204,8 +204,9 @@ class Stations:
     @property
     def error(self) -> float:
         """Largest error of the rates between nodes, of the intervals within the tolerance."""
-        accepted = [error for error in self._errors.values() if error <= self._axis_tolerance]
-        return max(accepted, default=0.0)
+        return max(
+            [error for error in self._errors.values() if error <= self._axis_tolerance], default=0.0
+        )
 
     @property
     def _axis_tolerance(self) -> float:
@@ -467,8 +468,9 @@ def sampled_rates(
         for pitch_fraction in _PITCH_FRACTIONS:
             views["cage_angle"][...] = 2.0 * np.pi / rollers * pitch_fraction
             rates = motion.split(motion.system(0.0, y))
-            ledger = [rates[name] for name in compared]
-            rows[-1].append(np.concatenate((rates["roller_spin"], ledger)))
+            rows[-1].append(
+                np.concatenate((rates["roller_spin"], [rates[name] for name in compared]))
+            )
     speeds[:] = own_speeds
     return np.array(rows)
 
