@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import motion_samples
+import rollslip
 from drawn import metadata, words
 from motion_samples import CAGE_SPEED, ROLLER_SPEED, SKIDDING, motion, relaxing, skidding_sentences
-from rollslip.cli import console
 from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
@@ -364,7 +364,7 @@ def test_the_console_says_it_and_a_stored_result_too(tmp_path):
         packages="{}",
     )
     stored.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
-    info = dict(console.result_info(tmp_path / "r.nc")["result"])
+    info = dict(rollslip.info(tmp_path / "r.nc")["result"])
     assert info["steady slip"] == of("steady slip", dataset)
     assert set(topics(dataset)) <= set(info)
 

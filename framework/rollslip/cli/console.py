@@ -349,14 +349,16 @@ def info(target: "Scene | xr.Dataset | str | Path | None" = None) -> Sections:
     """
     if target is None:
         return Sections(installation())
+    if isinstance(target, str | Path) and str(target).endswith(".nc"):
+        from rollslip.results.accounts import refuse_unreadable
+        from rollslip.results.dataset import open_result
+
+        with refuse_unreadable(target):
+            return Sections(_contents(open_result(target)))
+    if isinstance(target, str | Path):
+        target = load_scene(target)
     if isinstance(target, Scene):
         return Sections(scene_info(target))
-    if isinstance(target, str | Path):
-        return Sections(
-            result_info(Path(target))
-            if str(target).endswith(".nc")
-            else scene_info(load_scene(target))
-        )
     expect_results("info", target)
     return Sections(_contents(target))
 
@@ -374,15 +376,6 @@ def installation() -> Groups:
             ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in offered_kinds())),
         ]
     }
-
-
-def result_info(path: Path) -> Groups:
-    """Return contents and provenance of a stored result."""
-    from rollslip.results.accounts import refuse_unreadable
-    from rollslip.results.dataset import open_result
-
-    with refuse_unreadable(path):
-        return _contents(open_result(path))
 
 
 def _contents(dataset: "xr.Dataset") -> Groups:
