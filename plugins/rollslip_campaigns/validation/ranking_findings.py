@@ -73,7 +73,11 @@ class RankingAccount(Account):
             summary = "; ".join(
                 (
                     f"{names[0]} first: error {two_digits(errors[0])} times the uncertainty of the data",
-                    *(f"{words} {', '.join(laws)}" for words, laws in compared.items() if laws),
+                    *(
+                        f"{relation} {', '.join(laws)}"
+                        for relation, laws in compared.items()
+                        if laws
+                    ),
                 )
             )
         table = RankingAccount("ranking").tables(dataset)[0]
