@@ -82,7 +82,12 @@ class Made(Heated):
             return State(np.nan, refusal="the cage runs away", cage_skids=True)
         power = {place: of(temperatures) for place, of in self._losses.items()}
         losses = tuple(Loss(place, place, value) for place, value in power.items())
-        return State(0.1, PowerBalance(losses=losses, rings=(sum(power.values()), 0.0), stored=0.0))
+        return State(
+            0.1,
+            PowerBalance(
+                losses=losses, torques=(0.0, 0.0), rings=(sum(power.values()), 0.0), stored=0.0
+            ),
+        )
 
 
 OIL = get_model(
