@@ -3,6 +3,7 @@
 import functools
 import itertools
 import json
+import math
 
 import attrs
 import numpy as np
@@ -42,7 +43,7 @@ from rollslip_studies.steady_slip import figures, findings
 from rollslip_studies.steady_slip.branches import describe_no_fold, follow
 from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import SteadySlipAccount, _rows
-from rollslip_studies.steady_slip.minimum_load import RULES
+from rollslip_studies.steady_slip.minimum_load import RULES, _load_by_secants
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.study import SteadySlip
 
@@ -1146,3 +1147,20 @@ def test_a_curve_whose_end_is_not_found_loses_no_answer(monkeypatch):
     np.testing.assert_array_equal(found.driving_torque[known], whole.driving_torque[known])
     np.testing.assert_array_equal(found.steady_slip, whole.steady_slip)
     assert np.isfinite(found.attrs["curve_error"])
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.2])
+def test_the_search_of_a_load_starts_where_a_torque_in_proportion_to_its_square_has_its_root(
+    factor,
+):
+    """Torque less drag at a factor on the load of balance: the first load that is tried is already that one."""
+    tried = []
+
+    def excess(log_load):
+        tried.append(log_load)
+        return 0.3 * (math.exp(2.0 * log_load) / 1e6 - 1.0)
+
+    start = math.log(1e3 * factor)
+    load = _load_by_secants(excess, start, excess(start), 0.3)
+    assert load == pytest.approx(1e3, rel=1e-6)
+    assert tried[1] == pytest.approx(math.log(1e3), abs=1e-9)
