@@ -391,7 +391,8 @@ class _Search:
     ) -> bool:
         """Replace the candidates at the first slip at which a march from the previous motion reaches another motion.
 
-        The other motion is not the nearest one, which the branch has. Return whether there is such a slip.
+        The other motion is not the nearest one, which the branch has. It replaces a motion that converged only if it
+        converged itself; from one that did not, marches may lead to one that does. Return whether there is such a slip.
         """
         ambiguous = [k for k in range(1, len(slips)) if len(candidates[k]) > 1]
         if not ambiguous:
@@ -404,7 +405,7 @@ class _Search:
             is_other = (
                 self.motions.distance(motion.normalised_slip, branch[k].normalised_slip) >= DISTINCT
             )
-            if is_other and motion.converged:
+            if is_other and (motion.converged or not branch[k].converged):
                 candidates[k] = [motion]
                 return True
         return False
