@@ -101,11 +101,7 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
             present = {"name": name}
         case Mapping() as table:
             present = table
-    with contextlib.suppress(RollslipError):  # the assembly reports a wrong name or oil
-        oil = get_class("lubricant", str(present.get("name", "")))
-        for key, text in unusual_properties(oil).items():
-            if key not in present:
-                yield where.at("name"), f"{key} of {oil.name!r}: {text}"
+    yield from _named_oil(present, where)
     index = index_of(present)
     if not (math.isnan(index) or LOWEST_INDEX <= index <= HIGHEST_INDEX):
         yield (
@@ -144,6 +140,15 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
             where,
             f"{name!r} leaves out what the scene states: {', '.join(dropped)}; lubricant.name={name} keeps it",
         )
+
+
+def _named_oil(present: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield location and text for unusual data of a named oil that the scene does not replace."""
+    with contextlib.suppress(RollslipError):  # the assembly reports a wrong name or oil
+        oil = get_class("lubricant", str(present.get("name", "")))
+        for key, text in unusual_properties(oil).items():
+            if key not in present:
+                yield where.at("name"), f"{key} of {oil.name!r}: {text}"
 
 
 def _clearance(
