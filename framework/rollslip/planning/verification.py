@@ -55,11 +55,10 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
         )
     if by_stated_slices:
         result = max(by_stated_slices, key=lambda name: by_stated_slices[name] / accuracy.of(name))
-        key = "tolerance" if getattr(accuracy, result, None) is None else result
         warnings.append(
-            f"{accuracy.slices} slices leave a relative error of about {by_stated_slices[result]:.1e}, more than "
-            f"accuracy.{key} = {accuracy.of(result):g}; raise accuracy.slices, or let a "
-            "plan choose by --set accuracy.slices=auto"
+            f"{accuracy.slices} slices leave a relative error of about {by_stated_slices[result]:.1e} of "
+            f"{result.replace('_', ' ')}, more than the tolerance of {accuracy.of(result):g}; raise "
+            "accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
         )
     irreducible = plan.studies[study].irreducible_errors
     for result, relative_error in exceeding(error.total, accuracy).items():

@@ -359,20 +359,21 @@ class Probe:
             is_rival = (curve >= _RIVAL_HEIGHT * curve.max()) & (curve > 0.0)
             is_peak = is_rival & (curve >= padded[:-2]) & (curve > padded[2:])
             for best in map(int, np.flatnonzero(is_peak)):
-                near = np.linspace(
+                # the slips between both neighbours of the grid, and the higher neighbour
+                refined = np.linspace(
                     grid[max(best - 1, 0)],
                     grid[min(best + 1, grid.size - 1)],
                     _REFINED_SLIPS + 2,
                 )[1:]
-                values = study.curves(assembly, near, (1,))[0][k]
-                top = max(int(np.argmax(values)), 1)
-                if top == near.size - 1:
-                    continue  # it rises up to the end of the range
+                values = study.curves(assembly, refined, (1,))[0][k]
+                top = max(int(np.argmax(values)), 1)  # the first has no slip before it
+                if top == refined.size - 1:
+                    continue  # it rises up to the higher neighbour, or to the end of the range
                 around = slice(top - 1, top + 2)
                 if np.min(np.abs(np.diff(values[around]))) <= _LEVEL_ROUNDING * values[top]:
                     continue  # level
-                peaks.append((k, len(slips), near[1] - near[0]))
-                slips += [*near[around]]
+                peaks.append((k, len(slips), refined[1] - refined[0]))
+                slips += [*refined[around]]
         self._slip = np.array(slips)
         #: Of each maximum its curve, the index of the first of its three slips, and their step, (3, peaks).
         self._peaks = np.array(peaks).reshape(-1, 3).T
@@ -938,11 +939,11 @@ def estimate_error(
         complete_parts={name: getattr(choice.complete_resolution, name) for name in _CONTACT_PARTS},
     )
     try:
+        estimate = ErrorEstimate(
+            errors={part: {} for part in _NUMBER_NAMES if part != "slices" or assembly.slices > 1}
+        )
         if curve_study is not None:
             estimate = comparison.estimate_parts()
-        else:
-            parts = _NUMBER_NAMES if assembly.slices > 1 else ("n_positions",)
-            estimate = ErrorEstimate(errors={part: {} for part in parts})
         if not accuracy.exact:
             estimate = comparison.with_joint_errors(estimate)
     except ConvergenceError as refusal:  # what was computed stands
@@ -994,8 +995,8 @@ def refine_resolution(
     if exceeded.keys() <= exceeding(error.of_parts(finished), accuracy).keys():
         return None
     refined, remaining = _refined_numbers(study, error, aims, numbers, limits)
-    slices = refined["slices"] if assembly.slices > 1 else 1
-    size = assembly.scene.bearing.rollers * refined["n_positions"] * slices
+    # a bearing of one slice has no error of slices, and its resolution any number of them
+    size = assembly.scene.bearing.rollers * math.prod(refined[part] for part in error.errors)
     if refined == numbers or size > _MAX_SLICES:
         return None
     first = " and ".join(f"{numbers[part]} {_NUMBER_NAMES[part]}" for part in error.errors)

@@ -171,12 +171,17 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_sli
     # no steady slip, or a cage without drag
     if not slips.size or slips[0] == 0.0 or not slips[0] < math.inf:
         return dataset
-    acceptable = dataset.attrs.get("acceptable_slip") if "minimum_load" in dataset else None
+    acceptable = dataset.attrs.get("acceptable_slip")
+    acceptable_slip = None
     slip_without_play = float(np.ravel(without_play(dataset)[slip_name])[0])
     values = {"steady_slip": max(slip_without_play, SLIP_FLOOR)}
-    if acceptable is not None and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND:
+    if (
+        acceptable is not None
+        and "minimum_load" in dataset
+        and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND
+    ):
         values["minimum_load"] = float(dataset["minimum_load"])
-    acceptable_slip = float(acceptable) if "minimum_load" in values else None  # type: ignore[arg-type]
+        acceptable_slip = float(acceptable)
     with_play = slip_with_play(dataset)
 
     def scaled(name: str, factor: float) -> float:
@@ -249,15 +254,15 @@ def _choices(
     if (search := _slip_search(coarse, slip)) is None:
         return
     for choice in open_choices(scene):
-        factors = dict[str, float]()
+        slips = dict[str, float | None]()
         for name, changes in choice.alternatives.items():
-            factors[name] = math.nan
             with suppress(RollslipError):
-                factors[name] = search(_coarse_assembly(evolve(scene, changes, si=True)))
-        refused = [name for name, factor in factors.items() if math.isnan(factor)]
+                factor = search(_coarse_assembly(evolve(scene, changes, si=True)))
+                if not math.isnan(factor):
+                    slips[name] = scaled(factor)
         yield attrs.asdict(choice, filter=lambda a, _: a.name != "alternatives") | {
-            "refused": refused,
-            "slips": {name: scaled(factors[name]) for name in factors if name not in refused},
+            "refused": [name for name in choice.alternatives if name not in slips],
+            "slips": slips,
         }
 
 
@@ -330,10 +335,9 @@ def _largest_change(values: Sequence[float | None], slip: float) -> float:
     Where all values are above the slip, or all below, it is the change from their middle.
     """
     logs = [math.inf if value is None else math.log(value / slip) for value in values]
-    low = min(logs)
-    high = max(logs)
-    middle = 0.5 * (low + high) if low * high > 0.0 and high < math.inf else 0.0
-    return max(high - middle, middle - low)
+    if 0.0 < min(logs) * max(logs) < math.inf:
+        return 0.5 * (max(logs) - min(logs))
+    return max(map(abs, logs))
 
 
 def _json_value(name: str, value: float) -> float | None:
