@@ -642,6 +642,7 @@ def test_the_slip_after_a_jump_is_found_to_a_thousandth_of_its_logit():
     jump, *_ = find_loading_branch(motions, 0.9, motions).jumps
     assert jump.drag == pytest.approx(1.0, rel=1e-6)
     assert logit_slip(jump.slip_after) == pytest.approx(1.0337, abs=1e-3)
+    assert jump.slips_within(0.99999)[1] < jump.slip_after
 
 
 def test_the_end_of_a_motion_is_found_on_finer_positions_by_two_passes():
