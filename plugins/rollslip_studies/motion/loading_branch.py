@@ -775,8 +775,9 @@ def find_loading_branch(motions: Motions, max_slip: float, full_motions: Motions
             "there is no slip to report; it converges where more load is on the rollers: raise operation.radial_load"
         )
     if branch[-1].slip < slips[-1]:
-        reasons = "the search for the motion of the rollers does not converge", refusal
-        refusal = "; further on, ".join(filter(None, reasons))
+        refusal = "the search for the motion of the rollers does not converge" + (
+            refusal and f"; further on, {refusal}"
+        )
     torque_without_slip = 0.0
     if motions.resists:
         torque_without_slip = full_motions.find(np.zeros(1), np.zeros(1))[0][0].torque
