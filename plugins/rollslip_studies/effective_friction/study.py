@@ -44,6 +44,7 @@ from rollslip_studies.effective_friction.raceways import (
     largest_relative_change,
     regime_variables,
 )
+from rollslip_studies.motion.loading_branch import branch_slips
 from rollslip_studies.motion.spins import check_repeats
 from rollslip_studies.motion.torque_balance import (
     SkiddingOnset,
@@ -143,6 +144,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "reserve_status": Output(
             "", "1", "what was found of the reserve: found, at least, or why there is none"
         ),
+        "driving_torque": Output(
+            "torque_slip", "N m", "torque of the rollers on the cage on the loading branch"
+        ),
+        "drag_torque": Output("branch_slip", "N m", "torque by which the drags resist the cage"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
@@ -175,6 +180,10 @@ _SKIDDING: Final = frozenset({"skidding_slip", "limit_drag", "skidding_status"})
 _RESERVE: Final = frozenset({"drag_reserve", "reserve_status"})
 #: Outputs of the steady slip, with the reserve.
 _STEADY: Final = frozenset({"steady_cage_slip", "steady_drag", "steady_status"}) | _RESERVE
+#: Outputs of the balance of torques over the slip.
+_TORQUES: Final = frozenset({"driving_torque", "drag_torque"})
+#: All outputs of the balance of torques.
+_BALANCE: Final = _SKIDDING | _STEADY | _TORQUES
 
 
 @attrs.frozen(kw_only=True)
@@ -224,6 +233,10 @@ class EffectiveFriction(Study):
         unit="1",
         doc="largest cage slip up to which skidding is searched, whatever the curve's; 0 for no search",
         validator=in_range(0.0, 0.99),
+    )
+    torque_slips: tuple[float, ...] = parameter(
+        default=(),
+        doc="cage slips of output driving_torque, ascending; none for those of the search for skidding",
     )
     points: int = parameter(
         default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5)
@@ -409,16 +422,18 @@ class EffectiveFriction(Study):
         outputs : frozenset of str
             Names of the requested outputs.
         """
-        if not outputs <= _CURVE_OUTPUTS | _SKIDDING | _STEADY:
+        if not outputs <= _CURVE_OUTPUTS | _BALANCE:
             return None
-        balances: list[dict[str, Any]] = [{} for _ in cases]
-        if outputs & (_SKIDDING | _STEADY):
+        balances: list[PartialResult] = [({}, {}) for _ in cases]
+        if outputs & _BALANCE:
             balances = [
                 study._balanced(
                     assembly, assembly.resolution.n_positions or _FIRST_POSITIONS, outputs
                 )
                 for study, assembly in cases
             ]
+        if not outputs & _CURVE_OUTPUTS:
+            return balances
         found = dict[int, _Maxima]()
         pending = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
@@ -430,9 +445,9 @@ class EffectiveFriction(Study):
                 pending.append((k, slip, study.loaded(assembly, n_positions)))
         found |= _find_maxima(pending, whole=bool(outputs & _WHOLE_CURVE))
         results = []
-        for k, balance in enumerate(balances):
+        for k, (balance, slips) in enumerate(balances):
             variables, coords = _curve_variables(*found[k])
-            results.append((variables | balance, coords))
+            results.append((variables | balance, coords | slips))
         return results
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
@@ -543,13 +558,16 @@ class EffectiveFriction(Study):
 
     def _balanced(
         self, assembly: Assembly, n_positions: int, outputs: frozenset[str] = _STEADY
-    ) -> dict[str, Any]:
-        """Return variables of the onset of skidding and of the steady slip; empty if skidding is not searched."""
+    ) -> PartialResult:
+        """Return variables of the balance of torques, and their coordinates; empty if skidding is not searched."""
         if not self.skidding_range:
-            return {}
+            return {}, {}
         balance = self.torque_balance(assembly, n_positions)
+        variables, coords = self._torques(balance, outputs)
+        if not outputs & (_SKIDDING | _STEADY):
+            return variables, coords
         onset = self.skidding_onset(balance)
-        variables = self.variables(
+        variables |= self.variables(
             skidding_slip=onset.slip, limit_drag=onset.drag, skidding_status=np.array(onset.status)
         )
         if outputs & _STEADY:
@@ -564,7 +582,26 @@ class EffectiveFriction(Study):
                 variables |= self.variables(
                     drag_reserve=to_skidding.factor, reserve_status=np.array(to_skidding.status)
                 )
-        return variables
+        return variables, coords
+
+    def _torques(self, balance: TorqueBalance, outputs: frozenset[str]) -> PartialResult:
+        """Return the torques of rollers and drags over the slip, and their coordinates."""
+        grid = branch_slips(self.skidding_range)
+        variables = dict[str, Any]()
+        coords = dict[str, Any]()
+        if "driving_torque" in outputs:
+            slips = np.array(self.torque_slips)
+            torques = (
+                balance.torques_from_zero(slips) if slips.size else balance.branch_torques(grid)
+            )
+            variables |= self.variables(driving_torque=torques)
+            slips = slips if slips.size else grid
+            coords["torque_slip"] = ("torque_slip", slips, about("1", "cage slip"))
+        if "drag_torque" in outputs:
+            drags = np.array([-balance.drag(slip) for slip in grid.tolist()])
+            variables |= self.variables(drag_torque=drags)
+            coords["branch_slip"] = ("branch_slip", grid, about("1", "cage slip"))
+        return variables, coords
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags that act on rollers, if skidding is searched."""
@@ -645,7 +682,7 @@ class EffectiveFriction(Study):
         variables |= regime_variables(*raceways.regimes(speeds))
         variables |= self.variables(normal_force=forces, angle=loads.psi[0])
         coords["roller"] = ("roller", np.arange(forces.shape[1]), about("1", "roller"))
-        variables |= self._balanced(assembly, int(loads.psi.shape[0]))
+        variables |= self._balanced(assembly, int(loads.psi.shape[0]))[0]
         if self.per_roller:
             variables |= self.variables(roller_friction=raceways.per_roller(slip))
         if self.map_points:

@@ -733,6 +733,26 @@ def _drop_doubtful(branch: list[Motion]) -> list[Motion]:
     ]
 
 
+def _grid(max_slip: float) -> list[float]:
+    """Slips of the search (step 1)."""
+    start = logit_slip(min(SEARCH.smallest_slip, 0.5 * max_slip))
+    end = logit_slip(max_slip)
+    count = math.ceil((end - start) / SEARCH.grid_step)
+    logits = np.linspace(start, end, count + 1)[:-1].tolist()
+    return [*(slip_from_logit(x) for x in logits), max_slip]
+
+
+def branch_slips(max_slip: float) -> Array:
+    """Return zero and the slips of the search for the loading branch, (n,).
+
+    Parameters
+    ----------
+    max_slip : float
+        Largest cage slip.
+    """
+    return np.array([0.0, *_grid(max_slip)])
+
+
 def find_loading_branch(motions: Motions, max_slip: float, full_motions: Motions) -> LoadingBranch:
     """Return the loading branch of a bearing.
 
@@ -750,12 +770,8 @@ def find_loading_branch(motions: Motions, max_slip: float, full_motions: Motions
     ConvergenceError
         If the march of the rollers converges at no slip.
     """
-    start = logit_slip(min(SEARCH.smallest_slip, 0.5 * max_slip))
-    end = logit_slip(max_slip)
+    slips = _grid(max_slip)
     refusal = ""
-    count = math.ceil((end - start) / SEARCH.grid_step)
-    logits = np.linspace(start, end, count + 1)[:-1].tolist()
-    slips = [*(slip_from_logit(x) for x in logits), max_slip]
     search = _Search(motions, full_motions)
     while True:
         try:

@@ -166,6 +166,34 @@ class TorqueBalance:
             )
         return self._branches[max_slip]
 
+    def branch_torques(self, slips: Array) -> Array:
+        """Return the torques of the loading branch at slips of `branch_slips` [N m]; NaN beyond its end or without it.
+
+        Parameters
+        ----------
+        slips : ndarray
+            Cage slips from zero, ascending to the end of the range, (n,).
+        """
+        torques = np.full(slips.size, np.nan)
+        with contextlib.suppress(DomainError, ConvergenceError):
+            branch_slips, branch_torques = self.loading_branch(float(slips[-1])).torque_curve
+            torques = np.interp(slips, branch_slips, branch_torques, right=np.nan)
+            torques[:1] = self.torques_from_zero(slips[:1])
+        return torques
+
+    def torques_from_zero(self, slips: Array) -> Array:
+        """Return the torques on the cage at ascending slips [N m], by a few loads of a roller like the loading branch.
+
+        Parameters
+        ----------
+        slips : ndarray
+            Cage slips, (n,).
+        """
+        rolls = slips == 0.0 if not self.motions.resists else np.zeros(slips.size, dtype=bool)
+        torques = np.zeros(slips.size)
+        torques[~rolls] = self.torques(slips[~rolls], reduced=True)
+        return torques
+
     def seconds(self, max_slip: float = RANGE) -> float:
         """Return an estimate of the processor time [s] of the loading branch up to a cage slip.
 
