@@ -235,8 +235,7 @@ class EffectiveFriction(Study):
         validator=in_range(0.0, 0.99),
     )
     torque_slips: tuple[float, ...] = parameter(
-        default=(),
-        doc="cage slips of output driving_torque, ascending; none for those of the search for skidding",
+        default=(), doc="ascending cage slips of driving_torque; none for those of the search"
     )
     points: int = parameter(
         default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5)
@@ -587,21 +586,18 @@ class EffectiveFriction(Study):
     def _torques(self, balance: TorqueBalance, outputs: frozenset[str]) -> PartialResult:
         """Return the torques of rollers and drags over the slip, and their coordinates."""
         grid = branch_slips(self.skidding_range)
+        slips = np.array(self.torque_slips) if self.torque_slips else grid
         variables = dict[str, Any]()
-        coords = dict[str, Any]()
         if "driving_torque" in outputs:
-            slips = np.array(self.torque_slips)
-            torques = (
-                balance.torques_from_zero(slips) if slips.size else balance.branch_torques(grid)
-            )
-            variables |= self.variables(driving_torque=torques)
-            slips = slips if slips.size else grid
-            coords["torque_slip"] = ("torque_slip", slips, about("1", "cage slip"))
+            find = balance.torques_from_zero if self.torque_slips else balance.branch_torques
+            variables |= self.variables(driving_torque=find(slips))
         if "drag_torque" in outputs:
             drags = np.array([-balance.drag(slip) for slip in grid.tolist()])
             variables |= self.variables(drag_torque=drags)
-            coords["branch_slip"] = ("branch_slip", grid, about("1", "cage slip"))
-        return variables, coords
+        return variables, {
+            "torque_slip": ("torque_slip", slips, about("1", "cage slip")),
+            "branch_slip": ("branch_slip", grid, about("1", "cage slip")),
+        }
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags that act on rollers, if skidding is searched."""
