@@ -207,6 +207,7 @@ def _option(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
         multiple=metadata["repeatable"],
         required=field.default is attrs.NOTHING,
         type=option_type,
+        is_flag=metadata["value_type"] is bool,
         show_default=metadata["show_default"],
         help=metadata["doc"],
         **default,

@@ -65,7 +65,7 @@ def setting(
     default : object
         Of option and argument; `attrs.NOTHING` for a required one.
     value_type : type
-        What the option takes: str, int, float or Path.
+        What the option takes: str, int, float or Path; bool for a flag, which takes nothing.
     metavar : str, optional
         Name of the value in the help.
     minimum : int, optional

@@ -50,7 +50,8 @@ class UncertaintySettings(OfPoints):
     name = "uncertainty"
 
     samples: int | None = setting(
-        "Samples of reserve and slips.  [default: 128, doubled until the bounds have 95 % intervals, for 10 min]",
+        "Samples of reserve and slips.  [default: 1024; with --plain 128, doubled until the bounds have 95 % "
+        "intervals, for 10 min]",
         value_type=int,
         minimum=2,
         metavar="N",
@@ -70,6 +71,11 @@ class UncertaintySettings(OfPoints):
     )
     loads: int | None = setting(
         "Samples of the minimum load.  [default: 64]", value_type=int, minimum=0, metavar="N"
+    )
+    plain: bool = setting(
+        "Compute every sample as a whole; else most by torques at a few slips.",
+        value_type=bool,
+        default=False,
     )
     indices: int = setting(
         "Rows for Sobol indices, 2^k.", value_type=int, default=0, minimum=0, metavar="N"

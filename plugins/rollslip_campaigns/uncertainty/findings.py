@@ -178,7 +178,8 @@ class UncertaintyAccount(Account):
             topics["scatter"] = [
                 f"the scene has no table [uncertainty]; the scatter is that of its data and models: {scatter}"
             ]
-        if closure := dataset.attrs.get("curves_with"):
+        closure = dataset.attrs.get("curves_with")
+        if closure and "critical slip" in quantities:
             topics["critical slip"] = [f"slips at largest traction are {closure}"]
         if "indexed" in dataset.coords:
             topics["indices"] = [

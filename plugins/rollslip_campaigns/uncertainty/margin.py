@@ -9,6 +9,9 @@ Method: randomized quasi-Monte Carlo, by sweeps over samples of the uncertain da
 3. Estimate the allowable slip. Stop where its interval is narrow enough (``until``); by default where the 95 %
    intervals of the bounds of slip and reserve have two ends, or where another batch would take too long. A given number
    of samples is computed in one run.
+   Unless all samples are requested as a whole, only the first ones are computed so. Of the others the torques of the
+   rollers at a few slips give slip and reserve (`rollslip_campaigns.uncertainty.emulator`). Where the error of that is
+   too large more samples are computed as a whole, in the end all of them.
 4. Compute the minimum load for the first samples, and Saltelli's design for Sobol indices, if they are requested.
 5. Estimate quantiles, probabilities and rank correlations, and save them as a dataset.
 
@@ -39,7 +42,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -50,6 +53,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError
+from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import UNITS, about, xr
 from rollslip.results.text import Status, duration_range
@@ -63,6 +67,14 @@ from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import REPLICATES
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty import UncertaintySettings
+from rollslip_campaigns.uncertainty.emulation import (
+    TORQUES,
+    EmulatedSamples,
+    emulate_samples,
+    equivalent_samples,
+    is_worthwhile,
+    torque_sweep,
+)
 from rollslip_campaigns.uncertainty.estimators import (
     Estimate,
     fraction,
@@ -154,6 +166,8 @@ class Margin:
         Half width of the interval of the allowable slip at which batches end; None if it does not end them.
     by_default : bool
         Whether batches end where the intervals of the bounds have two ends.
+    plain : bool
+        Whether all samples are computed as a whole.
     scatter : tuple of str
         Scatter that oil, bearing and models declare, in sentences, if the samples are drawn from it.
     """
@@ -164,6 +178,7 @@ class Margin:
     probability: float
     until: float | None
     by_default: bool
+    plain: bool
     scatter: tuple[str, ...]
 
     @property
@@ -257,7 +272,16 @@ class Margin:
         points : Dataset
             Points of a sweep.
         """
-        values = friction_samples(points)
+        return self.with_play(friction_samples(points))
+
+    def with_play(self, values: dict[str, Array]) -> dict[str, Array]:
+        """Return samples by quantity, (n,) each, with the effect of play in the pockets on the slip.
+
+        Parameters
+        ----------
+        values : dict of str to ndarray
+            Samples of rollers set in the cage.
+        """
         if STEADY in values:
             with_play = slip_with_play(self._nominal)
             values[STEADY] = np.array([with_play(slip) for slip in values[STEADY].tolist()])
@@ -320,7 +344,9 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         "time_limit": requested.time_limit,
     }
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
-    critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
+    is_plain = requested.plain or requested.until is not None or not is_worthwhile(samples)
+    whole = friction if is_plain else {**friction, "output": (*_OUTPUTS[:-2], *TORQUES)}
+    critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **whole)
     _check_design(critical, requested.indices)
     requested_engine(critical)  # an unusable engine is refused before a folder is made
     return Margin(
@@ -341,6 +367,7 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         probability=requested.probability,
         until=requested.until,
         by_default=requested.samples is None and requested.until is None,
+        plain=is_plain,
         scatter=scatter,
     )
 
@@ -376,12 +403,15 @@ def _check_design(sweep: Sweep, indices: int) -> None:
 def expected_seconds(plan: Margin) -> dict[str, float]:
     """Return an estimate of the time [s] of one core for each sweep, from the time of the scene without scatter.
 
-    With ``until`` the estimate of sweep "critical" is an upper bound, for the maximum number of samples.
+    With ``until`` the estimate of sweep "critical" is an upper bound, for the maximum number of samples. It includes
+    emulated samples.
     """
+    counts = {name: float(len(sweep.numbers)) for name, sweep in plan.sweeps.items()}
+    if not plan.plain:
+        counts["critical"] = equivalent_samples(len(plan.critical.numbers))
     return {
         # two runs: the first one includes imports, and what all samples share
-        name: len(sweep.numbers)
-        * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
+        name: counts[name] * min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
         for name, sweep in plan.sweeps.items()
     }
 
@@ -418,16 +448,58 @@ def run_margin(
     def print_with(name: str) -> Callable[[str], None]:
         return lambda text: print_line(f"{name}: {text}")
 
-    points_of = {
-        name: Points.in_folder(sweep, folder / name, print_with(name), report)
-        for name, sweep in plan.sweeps.items()
-    }
+    def points_of(name: str, sweep: Sweep) -> Points:
+        return Points.in_folder(sweep, folder / name, print_with(name), report)
+
+    computed = {name: points_of(name, sweep) for name, sweep in plan.sweeps.items()}
 
     def compute_samples(name: str, count: int | None = None) -> "xr.Dataset":
         numbers = None if count is None else range(count)
-        points_of[name].compute(numbers)
-        return points_of[name].collect(numbers).isel(sample=slice(count))
+        computed[name].compute(numbers)
+        return computed[name].collect(numbers).isel(sample=slice(count))
 
+    points = dict[str, xr.Dataset]()
+    emulated = None
+    if not plan.plain:
+        emulated = emulate_samples(
+            len(plan.critical.design.samples),
+            partial(compute_samples, "critical"),
+            lambda slips: points_of("torques", torque_sweep(plan.critical, slips)),
+            _MAX_SECONDS if plan.by_default else math.inf,
+        )
+    if emulated is None:
+        batches, stop = _compute_batches(plan, compute_samples, print_line)
+        count = batches[-1][0]
+        critical = compute_samples("critical", count)
+    else:
+        critical = emulated.critical
+        points["torques"] = emulated.torques
+        count = critical.sizes["sample"]
+        batches = [(count, _allowable(plan, critical))]
+        stop = emulated.description
+    points = {"critical": critical, **points}
+    if plan.load is not None:
+        points["load"] = compute_samples("load", len(plan.load.design.samples))
+    if plan.varied is not None:
+        points["indices"] = compute_samples("indices")
+    dataset = _dataset(plan, batches, points, emulated)
+    is_bounded = emulated is not None or plan.is_bounded(critical)
+    dataset.attrs |= {"stop": stop, "more_samples": 0 if is_bounded else 2 * count}
+    save(dataset, folder / RESULT)
+    return dataset
+
+
+def _allowable(plan: Margin, critical: "xr.Dataset") -> Estimate:
+    """Allowable slip of the points of samples that are computed as a whole."""
+    return plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
+
+
+def _compute_batches(
+    plan: Margin,
+    compute_samples: Callable[[str, int], "xr.Dataset"],
+    print_line: Callable[[str], None],
+) -> tuple[list[tuple[int, Estimate]], str]:
+    """Compute batches of samples as a whole; return their sizes with the allowable slips, and why they end."""
     start_time = time.monotonic()
     batches = list[tuple[int, Estimate]]()
     total = len(plan.critical.design.samples)
@@ -435,35 +507,25 @@ def run_margin(
     # a given number of samples is computed in one run, for which workers start once
     all_samples = compute_samples("critical", total) if first == total else None
     count = min(_FIRST_BATCH, first)
-    stop = ""
     while True:
         critical = (
             compute_samples("critical", count)
             if all_samples is None
             else all_samples.isel(sample=slice(count))
         )
-        allowable = plan.quantile(friction_samples(critical)[SKIDDING], 1.0 - plan.probability)
+        allowable = _allowable(plan, critical)
         batches.append((count, allowable))
         print_line(f"{count} samples: {_describe_allowable(allowable)}")
-        if plan.by_default:
-            # the next batch takes about as long as all before it
-            stop = _stop_reason(plan, critical, 2.0 * (time.monotonic() - start_time))
+        # the next batch takes about as long as all before it
+        seconds = 2.0 * (time.monotonic() - start_time)
+        stop = _stop_reason(plan, critical, seconds) if plan.by_default else ""
         # a bound beyond the range stays there, however many samples there are
         is_narrow = plan.until is not None and (
             allowable.low == math.inf or allowable.half_width <= plan.until
         )
         if count == total or is_narrow or stop:
-            break
+            return batches, stop
         count = min(2 * count, total)
-    points = {"critical": critical}
-    if plan.load is not None:
-        points["load"] = compute_samples("load", min(len(plan.load.design.samples), count))
-    if plan.varied is not None:
-        points["indices"] = compute_samples("indices")
-    dataset = _dataset(plan, batches, points)
-    dataset.attrs |= {"stop": stop, "more_samples": 0 if plan.is_bounded(critical) else 2 * count}
-    save(dataset, folder / RESULT)
-    return dataset
 
 
 def _stop_reason(plan: Margin, critical: "xr.Dataset", seconds: float) -> str:
@@ -503,7 +565,10 @@ def _describe_allowable(allowable: Estimate) -> str:
 
 
 def _dataset(
-    plan: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]
+    plan: Margin,
+    batches: list[tuple[int, Estimate]],
+    points: Mapping[str, "xr.Dataset"],
+    emulated: EmulatedSamples | None,
 ) -> "xr.Dataset":
     """Dataset of all estimates, from the batches (samples, allowable slip) and the points of each sweep."""
     critical = points["critical"]
@@ -511,7 +576,10 @@ def _dataset(
     values = plan.friction_samples(critical)
     variables = dict[str, Any]()
     if STEADY in values:
-        variables |= _probabilities(critical, values)
+        variables |= _probabilities(critical, values, emulated)
+    if emulated is not None:
+        values |= plan.with_play(dict(emulated.values))
+        n = values[STEADY].size
     if "load" in points:  # the minimum load is the third quantity
         values = {
             **{key: values.pop(key) for key in (RESERVE, STEADY) if key in values},
@@ -523,7 +591,7 @@ def _dataset(
     probabilities = sorted(
         {*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability}
     )
-    variables |= _distributions(plan, values, probabilities, n)
+    variables |= _distributions(plan, values, probabilities, n, emulated)
     # convergence: the allowable slip after each batch
     allowable = np.array([attrs.astuple(estimate) for _, estimate in batches])
     acted = [name for name in (RESERVE, STEADY, LOAD, SKIDDING) if name in values]
@@ -593,12 +661,22 @@ def _dataset(
     )
 
 
-def _probabilities(critical: "xr.Dataset", values: Mapping[str, Array]) -> dict[str, Any]:
+def _probabilities(
+    critical: "xr.Dataset", values: Mapping[str, Array], emulated: EmulatedSamples | None
+) -> dict[str, Any]:
     """Variables of the margin and of the probability of skidding, and the number of reserves that are lower bounds."""
     slip = values[STEADY]
     skidding_slip = values[SKIDDING]
     n = slip.size
-    reserves = classify_reserves(critical)
+    counts = {name: int(mask.sum()) for name, mask in classify_reserves(critical).items()}
+    total = n
+    if emulated is not None:
+        others = {name: samples[n:] for name, samples in emulated.values.items()}
+        skids = (others[RESERVE] < 1.0) | (others[STEADY] > SKIDDING_SLIP)
+        counts["skids"] += int(skids.sum())
+        counts["bound"] += int(np.isinf(others[RESERVE]).sum())
+        counts["unknown"] += int(np.isnan(others[RESERVE]).sum())
+        total = emulated.values[STEADY].size
     known = ~np.isnan(slip) & ~np.isnan(skidding_slip)
     return {
         **_estimate_variables(
@@ -608,29 +686,36 @@ def _probabilities(critical: "xr.Dataset", values: Mapping[str, Array]) -> dict[
         ),
         **_estimate_variables(
             "skidding",
-            fraction(int(reserves["skids"].sum()), int(reserves["unknown"].sum()), n, CONFIDENCE),
+            fraction(counts["skids"], counts["unknown"], total, CONFIDENCE),
             "probability that the cage has no balance of torques",
         ),
         "bounded": (
             (),
-            int(reserves["bound"].sum()),
+            counts["bound"],
             about("1", "samples of which the reserve is a lower bound"),
         ),
     }
 
 
 def _distributions(
-    plan: Margin, values: Mapping[str, Array], probabilities: Sequence[float], n: int
+    plan: Margin,
+    values: Mapping[str, Array],
+    probabilities: Sequence[float],
+    n: int,
+    emulated: EmulatedSamples | None,
 ) -> dict[str, Any]:
     """Variables of the samples of all quantities, of their quantiles and of the numbers of known and unknown ones."""
     table = np.full((len(values), n), np.nan)
     for row, samples in zip(table, values.values(), strict=True):
         row[: samples.size] = samples
+
+    def estimate(name: str, probability: float) -> Estimate:
+        if emulated is None:
+            return plan.quantile(values[name], probability)
+        return emulated.widen(name, plan.quantile(values[name], probability))
+
     quantiles = np.array(
-        [
-            [attrs.astuple(plan.quantile(samples, p)) for p in probabilities]
-            for samples in values.values()
-        ]
+        [[attrs.astuple(estimate(name, p)) for p in probabilities] for name in values]
     )
     dims = ("quantity", "probability")
     counts = np.array(
@@ -639,7 +724,11 @@ def _distributions(
             for samples in values.values()
         ]
     )
+    whole = counts[:, 0].copy()
+    if emulated is not None:
+        whole[np.isin(list(values), list(emulated.values))] = emulated.critical.sizes["sample"]
     return {
+        "computed": ("quantity", whole, about("1", "samples computed as a whole")),
         "value": (
             ("quantity", "sample"),
             table,

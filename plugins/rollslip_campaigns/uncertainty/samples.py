@@ -13,9 +13,17 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status
+from rollslip_campaigns.uncertainty.emulator import Basis, balance, choose_basis
 from rollslip_campaigns.uncertainty.findings import DRAG, RESERVE, SKIDDING, STEADY
 
-__all__ = ["CRITICAL_SLIP", "classify_reserves", "friction_samples", "minimum_loads"]
+__all__ = [
+    "CRITICAL_SLIP",
+    "basis_of",
+    "classify_reserves",
+    "emulated_samples",
+    "friction_samples",
+    "minimum_loads",
+]
 
 #: Name of the smaller critical slip of both rings.
 CRITICAL_SLIP: Final = "critical slip"
@@ -23,7 +31,6 @@ CRITICAL_SLIP: Final = "critical slip"
 
 def friction_samples(points: "xr.Dataset") -> dict[str, Array]:
     """Return the samples of study effective-friction, (n,) each, by quantity; reserve and steady slip come first."""
-    slips = _rings(points, "critical_cage_slip")
     skidding_slips = _skidding(points)
     samples = (
         {RESERVE: _scalar(points, "drag_reserve"), STEADY: _steady(points)}
@@ -33,14 +40,57 @@ def friction_samples(points: "xr.Dataset") -> dict[str, Array]:
     samples |= {
         SKIDDING: skidding_slips,
         DRAG: np.where(np.isinf(skidding_slips), np.inf, _scalar(points, "limit_drag")),
-        CRITICAL_SLIP: np.asarray(slips.min(axis=0)),
     }
+    if "torque_slip" in points.coords:  # samples without curves
+        return samples
+    slips = _rings(points, "critical_cage_slip")
+    samples[CRITICAL_SLIP] = np.asarray(slips.min(axis=0))
     for name, rows in (
         (CRITICAL_SLIP, slips),
         ("peak friction", _rings(points, "critical_friction")),
     ):
         samples |= {f"{name}, {ring} ring": row for ring, row in zip(RINGS, rows, strict=True)}
     return samples
+
+
+def basis_of(points: "xr.Dataset") -> Basis | None:
+    """Return the basis of the loading branches of computed samples; None where it is not accurate, or one failed.
+
+    Parameters
+    ----------
+    points : Dataset
+        Points of a sweep with the torques of rollers and drags.
+    """
+    samples = friction_samples(points)
+    if "torque_slip" not in points.coords or STEADY not in samples:
+        return None
+    return choose_basis(
+        points["torque_slip"].to_numpy(),
+        _table(points, "driving_torque"),
+        _table(points, "drag_torque"),
+        (samples[STEADY], samples[RESERVE]),
+    )
+
+
+def emulated_samples(basis: Basis, points: "xr.Dataset") -> dict[str, Array]:
+    """Return steady slips and drag reserves of samples, (n,), from their torques; NaN where a point failed.
+
+    Parameters
+    ----------
+    basis : Basis
+        Basis of the loading branches.
+    points : Dataset
+        Points of a sweep with the torques of the rollers at the slips of the basis, and those of the drags.
+    """
+    drags = _table(points, "drag_torque")
+    columns = np.searchsorted(points["branch_slip"].to_numpy(), basis.slips)
+    branches = basis.branches(_table(points, "driving_torque"))
+    slips, reserves = balance(basis.slips, branches, drags[:, columns])
+    has_result = np.isfinite(branches).all(axis=1)
+    return {
+        RESERVE: np.where(has_result, reserves, np.nan),
+        STEADY: np.where(has_result, slips, np.nan),
+    }
 
 
 def classify_reserves(points: "xr.Dataset") -> dict[str, Any]:
@@ -95,6 +145,11 @@ def _steady(points: "xr.Dataset") -> Array:
     ] = np.inf
     slips[_has_status(points, "steady_status", Status.DRIVEN)] = 0.0
     return slips
+
+
+def _table(points: "xr.Dataset", name: str) -> Array:
+    """Values of an output over the slip, (n, P)."""
+    return np.asarray(points[name].transpose("sample", ...).to_numpy())
 
 
 def _scalar(points: "xr.Dataset", name: str) -> Array:

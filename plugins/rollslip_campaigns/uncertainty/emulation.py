@@ -1,0 +1,165 @@
+"""Compute the first samples as a whole, and emulate the others from torques of their rollers at a few cage slips."""
+
+import math
+import time
+from collections.abc import Callable
+from typing import Final
+
+import attrs
+import numpy as np
+
+from rollslip.results.dataset import xr
+from rollslip.scene.changes import evolve
+from rollslip.search import Array
+from rollslip_campaigns.sweep.definition import Sweep
+from rollslip_campaigns.sweep.folder import Points
+from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_campaigns.uncertainty.emulator import Basis, scales
+from rollslip_campaigns.uncertainty.estimators import Estimate
+from rollslip_campaigns.uncertainty.findings import RESERVE, STEADY
+from rollslip_campaigns.uncertainty.samples import basis_of, emulated_samples, friction_samples
+
+__all__ = [
+    "TORQUES",
+    "WHOLE_SAMPLES",
+    "EmulatedSamples",
+    "emulate_samples",
+    "equivalent_samples",
+    "is_worthwhile",
+    "torque_sweep",
+]
+
+#: Numbers of samples that are computed as a whole before the others are emulated; a larger one follows where the error
+#: is too large. Twice as many cost as much as 200 more samples. Chosen: 32 leave errors of 2 % of the deviation.
+WHOLE_SAMPLES: Final = (32, 64)
+#: Smallest number of samples, relative to those that are computed as a whole, which is worth emulating. Chosen.
+_MIN_RATIO: Final = 4
+#: Time of an emulated sample, relative to one that is computed as a whole; 0.1 to 0.15 of five bearings
+#: (docs/tables/sample_emulator.csv).
+_EMULATED_TIME: Final = 0.15
+#: Variables of study effective-friction from which samples are emulated.
+TORQUES: Final = ("driving_torque", "drag_torque")
+
+
+def is_worthwhile(samples: int) -> bool:
+    """Return whether a number of samples is large enough to emulate most of them."""
+    return samples >= _MIN_RATIO * WHOLE_SAMPLES[0]
+
+
+def equivalent_samples(samples: int) -> float:
+    """Return the number of samples computed as a whole that takes as long as a number of mostly emulated ones."""
+    return WHOLE_SAMPLES[0] + _EMULATED_TIME * (samples - WHOLE_SAMPLES[0])
+
+
+def torque_sweep(sweep: Sweep, slips: Array) -> Sweep:
+    """Return the sweep over the same samples that computes the torques of their rollers at some slips alone.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep over the samples.
+    slips : ndarray of float, (K,)
+        Cage slips, ascending.
+    """
+    return plan_sweep(
+        evolve(sweep.given, {f"study.{sweep.study}.torque_slips": slips.tolist()}),
+        samples=len(sweep.design.samples),
+        sampling=sweep.table.sampling,
+        study=sweep.study,
+        output=TORQUES,
+        seed=sweep.table.seed,
+        engine=sweep.table.engine,
+        time_limit=sweep.table.time_limit,
+    )
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class EmulatedSamples:
+    """Samples of which most are emulated.
+
+    Attributes
+    ----------
+    critical : Dataset
+        Points that are computed as a whole, the first samples.
+    torques : Dataset
+        Points of the other samples.
+    basis : Basis
+        Basis of the loading branches.
+    values : dict of str to ndarray
+        Slips and reserves of all samples, (N,), of rollers set in the cage.
+    """
+
+    critical: "xr.Dataset"
+    torques: "xr.Dataset"
+    basis: Basis
+    values: dict[str, Array]
+
+    @property
+    def description(self) -> str:
+        """How many samples are computed as a whole, and the error of the others."""
+        return (
+            f"{self.critical.sizes['sample']} of {self.values[STEADY].size} samples computed as a whole, the others by "
+            f"torques at {self.basis.torque_slips.size} slips (error "
+            f"{100.0 * self.basis.relative_error:.2g} % of the deviation; --plain: all)"
+        )
+
+    def widen(self, name: str, estimate: Estimate) -> Estimate:
+        """Return a quantile of a quantity, whose interval includes the error of emulated samples.
+
+        Parameters
+        ----------
+        name : str
+            Name of the quantity.
+        estimate : Estimate
+            The quantile with its interval by the number of samples.
+        """
+        if name not in self.values or math.isnan(estimate.value):
+            return estimate
+        k = (STEADY, RESERVE).index(name)
+        return scales()[k].widen(estimate, self.basis.errors[k])
+
+
+def emulate_samples(
+    total: int,
+    compute_whole: Callable[[int], "xr.Dataset"],
+    torque_points: Callable[[Array], Points],
+    max_seconds: float,
+) -> EmulatedSamples | None:
+    """Return all samples, most of them emulated; None if that is not accurate, or would take too long.
+
+    Parameters
+    ----------
+    total : int
+        Number of samples.
+    compute_whole : callable
+        Computes a number of samples as a whole.
+    torque_points : callable
+        Takes cage slips, and returns the points of all samples with the torques at these slips.
+    max_seconds : float
+        Longest time [s] of all samples.
+    """
+    start_time = time.monotonic()
+    for whole in WHOLE_SAMPLES:
+        if total < _MIN_RATIO * whole:
+            break
+        critical = compute_whole(whole)
+        seconds = (time.monotonic() - start_time) * (1.0 + _EMULATED_TIME * total / whole)
+        if seconds > max_seconds:
+            break
+        if (basis := basis_of(critical)) is None:
+            continue
+        points = torque_points(basis.torque_slips)
+        numbers = range(whole, total)
+        points.compute(numbers)
+        torques = points.collect(numbers).isel(sample=slice(whole, total))
+        if "driving_torque" not in torques:  # all of them failed
+            break
+        known = friction_samples(critical)
+        others = emulated_samples(basis, torques)
+        return EmulatedSamples(
+            critical=critical,
+            torques=torques,
+            basis=basis,
+            values={name: np.concatenate([known[name], others[name]]) for name in others},
+        )
+    return None
