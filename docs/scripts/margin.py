@@ -53,7 +53,9 @@ def percent(fraction):
 
 if __name__ == "__main__":
     found = run_margin(
-        UncertaintySettings(SCENE, samples=2048, indices=64).plan(), KEPT, print_line=print
+        UncertaintySettings(SCENE, samples=2048, indices=64, plain=True).plan(),
+        KEPT,
+        print_line=print,
     )
     figures(
         found,

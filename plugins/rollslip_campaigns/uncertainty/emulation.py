@@ -34,7 +34,7 @@ __all__ = [
 WHOLE_SAMPLES: Final = (32, 64)
 #: Smallest number of samples, relative to those that are computed as a whole, which is worth emulating. Chosen.
 _MIN_RATIO: Final = 4
-#: Time of an emulated sample, relative to one that is computed as a whole; 0.1 to 0.15 of five bearings
+#: Time of an emulated sample, relative to one that is computed as a whole; 0.1 to 0.2 of five bearings
 #: (docs/tables/sample_emulator.csv).
 _EMULATED_TIME: Final = 0.15
 #: Variables of study effective-friction from which samples are emulated.
