@@ -21,8 +21,9 @@ from output import write_table
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.uncertainty import UncertaintySettings
-from rollslip_campaigns.uncertainty.emulation import WHOLE_SAMPLES, torque_sweep
+from rollslip_campaigns.uncertainty.emulation import WHOLE_SAMPLES
 from rollslip_campaigns.uncertainty.emulator import balance, choose_basis, scales
+from rollslip_campaigns.uncertainty.margin import torque_sweep
 from rollslip_campaigns.uncertainty.samples import friction_samples
 
 SEED = 7

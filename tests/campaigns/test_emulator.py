@@ -18,8 +18,9 @@ from scattered import SCATTERED
 
 #: Cage slips of all branches.
 SLIPS = branch_slips(0.95)
-#: Samples of the synthetic bearings, and those of them that are computed as a whole.
+#: Samples of the synthetic bearings.
 SAMPLES = 1024
+#: Those of them that are computed as a whole.
 WHOLE = 32
 
 

@@ -9,11 +9,7 @@ import attrs
 import numpy as np
 
 from rollslip.results.dataset import xr
-from rollslip.scene.changes import evolve
 from rollslip.search import Array
-from rollslip_campaigns.sweep.definition import Sweep
-from rollslip_campaigns.sweep.folder import Points
-from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_campaigns.uncertainty.emulator import Basis, scales
 from rollslip_campaigns.uncertainty.estimators import Estimate
 from rollslip_campaigns.uncertainty.findings import RESERVE, STEADY
@@ -26,7 +22,6 @@ __all__ = [
     "emulate_samples",
     "equivalent_samples",
     "is_worthwhile",
-    "torque_sweep",
 ]
 
 #: Numbers of samples that are computed as a whole before the others are emulated; a larger one follows where the error
@@ -49,28 +44,6 @@ def is_worthwhile(samples: int) -> bool:
 def equivalent_samples(samples: int) -> float:
     """Return the number of samples computed as a whole that takes as long as a number of mostly emulated ones."""
     return WHOLE_SAMPLES[0] + _EMULATED_TIME * (samples - WHOLE_SAMPLES[0])
-
-
-def torque_sweep(sweep: Sweep, slips: Array) -> Sweep:
-    """Return the sweep over the same samples that computes the torques of their rollers at some slips alone.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        The sweep over the samples.
-    slips : ndarray of float, (K,)
-        Cage slips, ascending.
-    """
-    return plan_sweep(
-        evolve(sweep.given, {f"study.{sweep.study}.torque_slips": slips.tolist()}),
-        samples=len(sweep.design.samples),
-        sampling=sweep.table.sampling,
-        study=sweep.study,
-        output=TORQUES,
-        seed=sweep.table.seed,
-        engine=sweep.table.engine,
-        time_limit=sweep.table.time_limit,
-    )
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -122,7 +95,7 @@ class EmulatedSamples:
 def emulate_samples(
     total: int,
     compute_whole: Callable[[int], "xr.Dataset"],
-    torque_points: Callable[[Array], Points],
+    compute_torques: Callable[[Array, range], "xr.Dataset"],
     max_seconds: float,
 ) -> EmulatedSamples | None:
     """Return all samples, most of them emulated; None if that is not accurate, or would take too long.
@@ -133,8 +106,8 @@ def emulate_samples(
         Number of samples.
     compute_whole : callable
         Computes a number of samples as a whole.
-    torque_points : callable
-        Takes cage slips, and returns the points of all samples with the torques at these slips.
+    compute_torques : callable
+        Computes the torques at cage slips of samples with some numbers.
     max_seconds : float
         Longest time [s] of all samples.
     """
@@ -148,10 +121,7 @@ def emulate_samples(
             break
         if (basis := basis_of(critical)) is None:
             continue
-        points = torque_points(basis.torque_slips)
-        numbers = range(whole, total)
-        points.compute(numbers)
-        torques = points.collect(numbers).isel(sample=slice(whole, total))
+        torques = compute_torques(basis.torque_slips, range(whole, total))
         if "driving_torque" not in torques:  # all of them failed
             break
         known = friction_samples(critical)

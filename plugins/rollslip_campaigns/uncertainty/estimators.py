@@ -22,7 +22,15 @@ from numpy.typing import NDArray
 
 from rollslip.search import Array
 
-__all__ = ["Estimate", "Indices", "fraction", "indices", "min_samples", "quantile"]
+__all__ = [
+    "Estimate",
+    "Indices",
+    "fraction",
+    "indices",
+    "min_samples",
+    "quantile",
+    "rank_correlation",
+]
 
 #: Resamples of the bootstrap, with which the bounds of Sobol indices are percentiles. Twice as many need twice the time
 #: and change the 2.5 % and 97.5 % percentiles by less than their own scatter. Chosen: the usual number of resamples for
@@ -31,6 +39,9 @@ _RESAMPLES: Final = 999
 #: Absolute tolerance of a comparison of a sum of fractions of samples with a probability. Twice the value changes
 #: nothing: it lies between the rounding of such sums (1e-16) and the fraction of a single sample (6e-5 of 16384).
 _ROUNDING: Final = 1e-12
+#: Smallest number of samples from which a rank correlation is computed; below it, the correlation is NaN. A smaller
+#: number would report correlations that are chance. Chosen: with 8 samples the standard error is 1/sqrt(7), about 0.4.
+_MIN_RANKED: Final = 8
 
 
 @attrs.frozen
@@ -211,6 +222,27 @@ def fraction(true: int, unknown: int, n: int, confidence: float = 0.95) -> Estim
     high = binomtest(true + unknown, n).proportion_ci(confidence, method="exact").high
     known = n - unknown
     return Estimate(true / known if known else math.nan, float(low), float(high))
+
+
+def rank_correlation(first: Array, second: Array) -> float:
+    """Spearman's rank correlation of two samples; NaN of too few samples, or where all of one are equal.
+
+    Samples beyond a range are infinite and rank as the largest.
+
+    Parameters
+    ----------
+    first, second : ndarray of float
+        Samples; of the longer one the first ones are compared.
+    """
+    from scipy.stats import spearmanr
+
+    size = min(first.size, second.size)
+    known = ~np.isnan(first[:size]) & ~np.isnan(second[:size])
+    a = first[:size][known]
+    b = second[:size][known]
+    if a.size < _MIN_RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
+        return math.nan
+    return float(spearmanr(a, b).statistic)
 
 
 @attrs.frozen(eq=False)

@@ -73,7 +73,6 @@ from rollslip_campaigns.uncertainty.emulation import (
     emulate_samples,
     equivalent_samples,
     is_worthwhile,
-    torque_sweep,
 )
 from rollslip_campaigns.uncertainty.estimators import (
     Estimate,
@@ -81,6 +80,7 @@ from rollslip_campaigns.uncertainty.estimators import (
     indices,
     min_samples,
     quantile,
+    rank_correlation,
 )
 from rollslip_campaigns.uncertainty.findings import (
     DRAG,
@@ -130,9 +130,6 @@ _MAX_SECONDS = 600.0
 #: time. Chosen: enough for the median. The ends of a 90 % band have two finite bounds from 72 samples on
 #: (`rollslip_campaigns.uncertainty.estimators.min_samples`), and one with 64.
 _DEFAULT_LOADS = 64
-#: Smallest number of samples from which a rank correlation is computed; below it, the correlation is NaN. A smaller
-#: number would report correlations that are chance. Chosen: with 8 samples the standard error is 1/sqrt(7), about 0.4.
-_MIN_RANKED: Final = 8
 #: Probabilities of the quantiles that are reported besides those of the requested probability p and 1 - p.
 _REPORTED_PROBABILITIES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 #: Predicates that classify a sample: known, beyond a range, unknown; in the order of the variables that count them.
@@ -400,6 +397,28 @@ def _check_design(sweep: Sweep, indices: int) -> None:
     )
 
 
+def torque_sweep(sweep: Sweep, slips: Array) -> Sweep:
+    """Return the sweep over the same samples that computes the torques of their rollers at some slips alone.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep over the samples.
+    slips : ndarray of float, (K,)
+        Cage slips, ascending.
+    """
+    return plan_sweep(
+        evolve(sweep.given, {f"study.{sweep.study}.torque_slips": slips.tolist()}),
+        samples=len(sweep.design.samples),
+        sampling=sweep.table.sampling,
+        study=sweep.study,
+        output=TORQUES,
+        seed=sweep.table.seed,
+        engine=sweep.table.engine,
+        time_limit=sweep.table.time_limit,
+    )
+
+
 def expected_seconds(plan: Margin) -> dict[str, float]:
     """Return an estimate of the time [s] of one core for each sweep, from the time of the scene without scatter.
 
@@ -458,13 +477,18 @@ def run_margin(
         computed[name].compute(numbers)
         return computed[name].collect(numbers).isel(sample=slice(count))
 
+    def compute_torques(slips: Array, numbers: range) -> "xr.Dataset":
+        points = points_of("torques", torque_sweep(plan.critical, slips))
+        points.compute(numbers)
+        return points.collect(numbers).isel(sample=slice(numbers.start, numbers.stop))
+
     points = dict[str, xr.Dataset]()
     emulated = None
     if not plan.plain:
         emulated = emulate_samples(
             len(plan.critical.design.samples),
             partial(compute_samples, "critical"),
-            lambda slips: points_of("torques", torque_sweep(plan.critical, slips)),
+            compute_torques,
             _MAX_SECONDS if plan.by_default else math.inf,
         )
     if emulated is None:
@@ -596,7 +620,7 @@ def _dataset(
     allowable = np.array([attrs.astuple(estimate) for _, estimate in batches])
     acted = [name for name in (RESERVE, STEADY, LOAD, SKIDDING) if name in values]
     ranks = [
-        [_rank_correlation(column, values[name]) for name in acted]
+        [rank_correlation(column, values[name]) for name in acted]
         for column in plan.critical.design.samples.T
     ]
     variables |= {
@@ -620,7 +644,7 @@ def _dataset(
         ),
         "strength_correlation": (
             (),
-            _rank_correlation(values[SKIDDING], values[DRAG]),
+            rank_correlation(values[SKIDDING], values[DRAG]),
             about(
                 "1",
                 "rank correlation of the slip at which skidding begins and the limit drag torque",
@@ -751,22 +775,6 @@ def _estimate_variables(name: str, estimate: Estimate, doc: str) -> dict[str, An
         f"{name}_low": ((), estimate.low, about("1", f"{doc}, low end of its 95 % interval")),
         f"{name}_high": ((), estimate.high, about("1", f"{doc}, high end of its 95 % interval")),
     }
-
-
-def _rank_correlation(first: Array, second: Array) -> float:
-    """Spearman's rank correlation of two samples; NaN of too few samples, or where all of one are equal.
-
-    Samples beyond a range are infinite and rank as the largest.
-    """
-    from scipy.stats import spearmanr
-
-    size = min(first.size, second.size)
-    known = ~np.isnan(first[:size]) & ~np.isnan(second[:size])
-    a = first[:size][known]
-    b = second[:size][known]
-    if a.size < _MIN_RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
-        return math.nan
-    return float(spearmanr(a, b).statistic)
 
 
 def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
