@@ -121,9 +121,11 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
         if (kind := point.group.removeprefix("rollslip.").replace("_", "-")) in kinds()
         and point.group != kind
     ]
+    if not points:
+        return []
     # each of these parses all of the metadata
-    package = distribution.name if points else ""
-    version = distribution.version if package else ""
+    package = distribution.name
+    version = package and distribution.version
     if not version:
         return []
     state, cause = _state(distribution)

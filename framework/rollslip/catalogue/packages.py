@@ -118,22 +118,17 @@ def _package(offers: list[Offer]) -> PluginPackage:
     """Return the package of some offers, with the worst of their states."""
     causes: dict[str, list[str]] = {}
     for offer in offers:
-        causes.setdefault(offer.state, []).append(_cause(offer))
+        cause = offer.cause
+        if offer.state == "shadowed":
+            cause = f"{offer.kind} {offer.name!r}: {cause}"
+        causes.setdefault(offer.state, []).append(cause)
     state = next(s for s in ("disabled", "incompatible", "broken", "shadowed", "ok") if s in causes)
-    cause = "; ".join(dict.fromkeys(causes[state])) if state != "ok" else ""
     return PluginPackage(
         name=offers[0].package,
         version=offers[0].version,
         state=state,
-        cause=cause,
+        cause="; ".join(dict.fromkeys(causes[state])),
         offers=tuple(offers),
-    )
-
-
-def _cause(offer: Offer) -> str:
-    """Return the reason why an offer cannot be used, with its name where a package has several."""
-    return (
-        f"{offer.kind} {offer.name!r}: {offer.cause}" if offer.state == "shadowed" else offer.cause
     )
 
 

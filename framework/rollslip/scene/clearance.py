@@ -523,7 +523,7 @@ def _rigid(choice: Any) -> bool:
 
 def unused_keys(table: Mapping[str, Any]) -> list[str]:
     """Return the keys of a bearing's table that have no effect because its clearance in operation is stated."""
-    return [key for key in FOLLOWS if key in table] if "radial_clearance" in table else []
+    return [key for key in FOLLOWS if key in table and "radial_clearance" in table]
 
 
 def clearance_scatter(bearing: Bearing) -> tuple[Scatter, ...]:

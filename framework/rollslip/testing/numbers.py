@@ -71,7 +71,7 @@ def check_results_are_of_the_size_that_bearings_have(model: SliceModel) -> None:
     """A film in microns is no unit that is wrong, but a film of decimetres; it is held against the radius."""
     for form, shaped in forms_of(model):
         filled = evaluate(shaped, table(shaped, 256, BEARING))
-        for name in sorted(model.writes & SIZES.keys()) if len(filled) else ():
+        for name in sorted(model.writes & SIZES.keys()):
             member, lower, upper = SIZES[name]
             scale = getattr(filled.conditions if member in CONDITIONS else filled, member)
             if member not in model.reads:  # any usual value will do
@@ -127,7 +127,7 @@ def check_computes_in_double_precision(model: SliceModel) -> None:
     step = max(1e-8, 10.0 * model.tolerance)
     for form, shaped in forms_of(model):
         slices = table(shaped, 64, BEARING)
-        for member in sorted(model.reads - {"regime"}) if len(slices) else ():
+        for member in sorted(model.reads - {"regime"}):
             try:
                 unchanged, small, large = (
                     _scaled(slices, shaped, member, 1.0 + by) for by in (0.0, step, 1e4 * step)

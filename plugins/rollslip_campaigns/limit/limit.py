@@ -131,7 +131,7 @@ class Limit:
     @property
     def max_refinements(self) -> int:
         """Maximum number of points for a bracket, besides the first ones: bisection every second time."""
-        return 2 * math.ceil(math.log2(self.spacing)) if self.spacing > 1 else 0
+        return 2 * math.ceil(math.log2(self.spacing))
 
     @property
     def messages(self) -> list[str]:

@@ -215,7 +215,7 @@ def run_sweep(
         )
         run = _Run(sweep, len(numbers), done_before, report)
         _log.info("%d of %d points are in %s already", done_before.total(), len(numbers), folder)
-        chosen = engine if engine is not None else requested_engine(sweep)
+        chosen = engine or requested_engine(sweep)
         why = "requested"
         if not pending:
             print_line("all points are done")
@@ -493,19 +493,12 @@ class _Run:
         while pending and len(self.in_flight) < (
             2 * workers if workers > 1 or engine.separate else 1
         ):
-            count = 1
-            if self.computed:
-                count = max(
-                    1,
-                    min(
-                        int(engine.task_seconds * self.computed / max(self.compute_seconds, 1e-9)),
-                        -(
-                            -len(pending) // (2 * workers)
-                        ),  # a fair part of the points that are left
-                        _MAX_IN_TASK,
-                    ),
-                )
-            numbers = pending.take(count)
+            count = min(
+                int(engine.task_seconds * self.computed / max(self.compute_seconds, 1e-9)),
+                -(-len(pending) // (2 * workers)),  # a fair part of the points that are left
+                _MAX_IN_TASK,
+            )
+            numbers = pending.take(max(count, 1))
             try:
                 future = executor.submit(compute, self.work, self._points(numbers))
             except Exception as error:  # a broken pool raises here; `_collect_results` handles it

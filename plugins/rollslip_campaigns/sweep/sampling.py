@@ -428,7 +428,7 @@ class Design:
 
     def changes(self, number: int) -> dict[str, object]:
         """Return the values that the point of a number changes in the scene, by key."""
-        index = np.unravel_index(number, self.shape) if self.shape else ()
+        index = np.unravel_index(number, self.shape)
         changes = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, index, strict=False)}
         if self.has_samples:
             changes |= {

@@ -323,7 +323,7 @@ class SurfaceDamage(Study):
         shape = len(measures), len(RINGS)
         places = np.linspace(-1.0, 1.0, self.places)
         positions = 0 if evaluated is None else evaluated[0].rollers
-        angle = 2.0 * np.pi * np.arange(positions) / positions if positions else np.zeros(0)
+        angle = 2.0 * np.pi * np.arange(positions) / positions
         worst, worst_angle, worst_place = np.full((3, *shape), np.nan)
         statuses = np.full(shape, str(status), dtype=object)
         along = np.full((*shape, positions), np.nan)
