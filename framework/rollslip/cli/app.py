@@ -57,10 +57,9 @@ def complete_scenes(ctx: click.Context, param: click.Parameter, incomplete: str)
     from rollslip.scene.reading import shipped_scenes
 
     folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
-    contents = sorted(folder.iterdir()) if folder.is_dir() else []
     paths = [
         f"{path}/" if path.is_dir() else str(path)
-        for path in contents
+        for path in sorted(folder.glob("*"))
         if path.is_dir() or path.suffix == ".toml"
     ]
     return [name for name in (*shipped_scenes(), *paths) if name.startswith(incomplete)]
@@ -274,7 +273,7 @@ class Results:
 
     def choose_folder(self, name: str) -> None:
         """Set the folder: that of --out, or the first of NAME, NAME-2 ... that does not exist."""
-        self.target = self.out if self.out is not None else free_folder(name)
+        self.target = self.out or free_folder(name)
 
     @contextmanager
     def folder(self) -> Iterator[Path]:

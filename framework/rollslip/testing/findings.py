@@ -220,13 +220,14 @@ class Conformance:
             return
         if not self.models:
             raise PluginError(f"{type(self).__name__}.models is empty; list the models to check")
-        cases = []
-        ids = []
-        for k, model in enumerate(self.models):
-            for case in cases_of(model, self.expected_failures):
-                cases.append(case)
-                ids.append(f"{k}-{name_of(case[0])}-{case[1].__name__}")
-        metafunc.parametrize("conformance_case", cases, ids=ids)
+        import pytest
+
+        cases = [
+            pytest.param(case, id=f"{k}-{name_of(case[0])}-{case[1].__name__}")
+            for k, model in enumerate(self.models)
+            for case in cases_of(model, self.expected_failures)
+        ]
+        metafunc.parametrize("conformance_case", cases)
 
     def test_conformance(self, conformance_case: tuple[Any, Check, str | None]) -> None:
         """Run one check on one model."""

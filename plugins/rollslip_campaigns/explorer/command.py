@@ -34,7 +34,7 @@ def _explore(
     from rollslip.results.report import is_report
     from rollslip_campaigns.explorer.page import library
 
-    target = out if out is not None else Path(f"{Path(about).stem}-explorer.html")
+    target = out or Path(f"{Path(about).stem}-explorer.html")
     if target.exists() and not overwrite:
         raise OutputError(f"{target}: exists; name another --out, or --overwrite it")
     if target.exists() and not is_report(target):

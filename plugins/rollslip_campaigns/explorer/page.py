@@ -9,9 +9,11 @@ import base64
 import json
 import shlex
 from collections.abc import Mapping
+from functools import reduce
 from html import escape
 from importlib.resources import files
 from importlib.util import find_spec
+from operator import getitem
 from pathlib import Path
 from string import Template
 from typing import Any, Final
@@ -166,9 +168,7 @@ def _command(explorer: "Explorer") -> str:
         key = ".".join(map(str, path))
         if origin != "changes" or key in varied:
             continue
-        value: Any = thawed(scene.raw)
-        for name in path:
-            value = value[name]
+        value: Any = reduce(getitem, path, thawed(scene.raw))
         if not isinstance(value, dict):
             parts += ["--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}"]
     return shlex.join(parts)

@@ -57,7 +57,7 @@ def _operating_points(dataset: "xr.Dataset") -> tuple[str, list[str]]:
     ]
     common = [column[0] for column in texts if len(set(column)) == 1]
     different = [column for column in texts if len(set(column)) > 1]
-    return ", ".join(common), [", ".join(row) for row in zip(*different, strict=True)]
+    return ", ".join(common), list(map(", ".join, zip(*different, strict=True)))
 
 
 def _fit(dataset: "xr.Dataset") -> "Figure":

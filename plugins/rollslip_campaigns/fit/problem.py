@@ -395,16 +395,16 @@ def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Pa
     known = {parameter.name: parameter for parameter in _fittable(problem)}
     names = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
     chosen = [known[name] for name in names if name in known]
-    faults = [] if names else ["parameters: none to fit; name some, such as eyring_stress"]
-    faults += _without_start(problem, names, known)
+    faults = [*_without_start(problem, names, known)]
+    if not names:
+        faults.append("parameters: none to fit; name some, such as eyring_stress")
     if len({parameter.key for parameter in chosen}) < len(chosen):
         faults.append(f"parameters: two of {', '.join(names)} are the same")
     if len(problem.data) <= len(names):
         faults.append(
             f"{problem.data.source}: {len(problem.data)} rows do not determine {len(names)} parameters"
         )
-    if faults:
-        raise SceneError(faults)
+    raise_problems(faults)
     oil = [parameter for parameter in chosen if parameter.of_oil]
     try:
         with_values(problem, oil, [parameter.start * 1.1 for parameter in oil])

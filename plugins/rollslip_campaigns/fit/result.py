@@ -9,6 +9,7 @@ import hashlib
 import importlib.metadata
 import json
 from collections.abc import Collection, Sequence
+from functools import reduce
 from pathlib import Path
 from typing import Any, Final
 
@@ -562,9 +563,7 @@ def _tables(fit: Fit, dataset: "xr.Dataset") -> dict[str, str]:
     fitted = {p.key: value for p, value in zip(fit.parameters, values, strict=True) if not p.of_oil}
     constants: dict[str, Any] = {**problem.lubricant.models}
     for path, value in fitted.items():
-        law = problem.traction
-        for name in path[:-1]:
-            law = getattr(law, name)
+        law = reduce(getattr, path[:-1], problem.traction)
         constants[law.name] = {**constants.get(law.name, {}), path[-1]: value}
     models = {"models": constants} if constants else {}
     tables = {"lubricant_table": json.dumps({**table, **oil, **models, "source": source})}

@@ -26,7 +26,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, reference_resolution
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.errors import PluginError, SceneError, did_you_mean, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
 from rollslip.results.text import format_count
@@ -211,10 +211,7 @@ def _check_settings(axes: Sequence[str], rounds: int) -> None:
     problems = list[str]()
     for name in axes:
         if name not in AXES:
-            near = nearest(name, AXES, cutoff=0.4)
-            hint = f"there are: {', '.join(AXES)}"
-            if near:
-                hint = f"did you mean {' or '.join(map(repr, near))}?"
+            hint = did_you_mean(nearest(name, AXES, cutoff=0.4), f"there are: {', '.join(AXES)}")
             problems.append(f"choices: nothing to choose is called {name!r}; {hint}")
     if rounds < 1:
         problems.append(f"rounds: must be at least 1, not {rounds}")

@@ -14,6 +14,7 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -328,13 +329,11 @@ def assemble_varied(scene: Scene, over: Mapping[str, object]) -> tuple[Scene, As
     try:
         return scene, assemble(scene)
     except RollslipError:
-        try:
+        with suppress(RollslipError):  # the error of the scene as it was written is raised
             changed = evolve(
                 scene, {key: _first_value(values) for key, values in over.items()}, si=True
             )
             return changed, assemble(changed)
-        except RollslipError:
-            pass  # the error of the scene as it was written is raised
         raise
 
 

@@ -113,13 +113,9 @@ def _relative_residual(residual: "xr.DataArray", size: float) -> float:
 
 def smallest_film(dataset: "xr.Dataset") -> dict[str, float]:
     """Return the smallest film parameter at each ring; NaN if it is not known, or no roller was loaded."""
-    films = {
-        str(ring): dataset["film_parameter"].sel(ring=ring).to_numpy()
-        for ring in dataset["ring"].to_numpy()
-    }
     return {
-        ring: float(np.nanmin(film)) if np.any(np.isfinite(film)) else math.nan
-        for ring, film in films.items()
+        str(ring): float(dataset["film_parameter"].sel(ring=ring).min())
+        for ring in dataset["ring"].to_numpy()
     }
 
 
@@ -203,7 +199,7 @@ class DynamicsAccount(Account):
             "steady_slip_error": float(a.get("steady_slip_error", math.nan)),
             "steady_status": str(a["steady_status"]),
             "drag_reserve": float(a.get("drag_reserve", math.nan)),
-            "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
+            "largest_cage_slip": float(dataset["cage_slip"].max()),
             "final_cage_slip": float(slip[-1]),
             **dict(zip(ONSET, _skidding_onset(a), strict=True)),
             "critical_cage_slip": float(a["critical_cage_slip"]),

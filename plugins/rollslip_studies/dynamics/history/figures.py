@@ -84,8 +84,7 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
             color="0.35",
             linestyle="dotted",
         )
-    low = float(np.nanmin(slip)) if np.isfinite(slip).any() else 0.0
-    axes.set_ylim(min(0.0, 1.1 * low), top)
+    axes.set_ylim(1.1 * float(np.nanmin(slip, initial=0.0)), top)
     axes.set_ylabel("Cage slip [%]")
     for panel, name in zip(below, varying, strict=True):
         label, factor, offset = _PANELS[name]
