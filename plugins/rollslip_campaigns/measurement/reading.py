@@ -306,8 +306,7 @@ class _Reader:
                 )
             )
         of_contact = table.quantity in QUANTITIES and QUANTITIES[table.quantity].of == "contact"
-        required = "rig" if of_contact else "scene"
-        other = "scene" if of_contact else "rig"
+        required, other = ("rig", "scene") if of_contact else ("scene", "rig")
         if not getattr(table, required):
             self.problems.append(
                 where.at(required).message(

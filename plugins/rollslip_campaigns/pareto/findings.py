@@ -151,8 +151,10 @@ class ParetoAccount(Account):
             else "times are those of the processor in a single round: none is called faster than another"
         )
         for study, part in studies(dataset):
-            for j, name in enumerate(part["result"].values):
-                sentences.append(_describe_result(part.isel(result=j), f"{study}, {name}"))
+            sentences += [
+                _describe_result(part.isel(result=j), f"{study}, {name}")
+                for j, name in enumerate(part["result"].values)
+            ]
         return sentences
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:

@@ -333,21 +333,22 @@ def _coordinates(family: Family) -> dict[str, Any]:
         study = family.studies[choice.study].with_resolution(r)
         own = study.numerical_settings(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
-        row = {
-            "slices": r.slices if family.plan.assembly.slices > 1 else 1,
-            "quadrature": r.quadrature,
-            "n_positions": r.n_positions or 0,
-            "traction": law,
-            "boundary": int(r.boundary),
-            "table_tolerance": r.table_tolerance,
-            "integrator": own.get("integrator", ""),
-            "integrator_tolerance": own.get("integrator_tolerance", np.nan),
-            "friction": own.get("friction", ""),
-            "level": own.get("level", ""),
-            "compiled": int(r.compiled),
-            "film": choice.scene.models.film.name,
-        }
-        rows.append(row)
+        rows.append(
+            {
+                "slices": r.slices if family.plan.assembly.slices > 1 else 1,
+                "quadrature": r.quadrature,
+                "n_positions": r.n_positions or 0,
+                "traction": law,
+                "boundary": int(r.boundary),
+                "table_tolerance": r.table_tolerance,
+                "integrator": own.get("integrator", ""),
+                "integrator_tolerance": own.get("integrator_tolerance", np.nan),
+                "friction": own.get("friction", ""),
+                "level": own.get("level", ""),
+                "compiled": int(r.compiled),
+                "film": choice.scene.models.film.name,
+            }
+        )
     return {
         name: (
             "choice",

@@ -75,13 +75,14 @@ def observe(
     """
     study, measurable = _measurable(quantity, scene)
     status = study.outputs[measurable.variable].status
-    outputs = (
-        measurable.variable,
-        *([status] if status else []),
-        *([_STABLE] if measurable.steady_index is not None else []),
-    )
+    outputs = [measurable.variable, status]
+    if measurable.steady_index is not None:
+        outputs.append(_STABLE)
     work = SweepWork(
-        scene=scene, study=study.name, outputs=tuple(dict.fromkeys(outputs)), packages=("rollslip",)
+        scene=scene,
+        study=study.name,
+        outputs=tuple(dict.fromkeys(filter(None, outputs))),
+        packages=("rollslip",),
     )
     rows = compute(work, [(k, changes) for k, changes in enumerate(points)]).rows
     return [_value(measurable, status, at, row) for row in sorted(rows, key=lambda row: row.number)]

@@ -187,18 +187,19 @@ def check_statement(statement: Statement, values: Array) -> str:
     values : array
         Calculated values at the steps of the statement, (steps,); NaN where there is none.
     """
+    limit: Any = statement.limit
     if statement.expect == "none":
-        return CONFIRMED if not np.isfinite(values).any() else NOT_CONFIRMED
-    if np.isnan(values).any():
+        agrees = ~np.isfinite(values)
+    elif np.isnan(values).any():
         return UNDETERMINED
-    if statement.expect in ("below", "above"):
-        assert statement.limit is not None
-        agrees = values > statement.limit
-        if statement.expect == "below":
-            agrees = values < statement.limit
-        return CONFIRMED if agrees.all() else NOT_CONFIRMED
-    if np.isinf(values).sum() > 1:
+    elif statement.expect == "below":
+        agrees = values < limit
+    elif statement.expect == "above":
+        agrees = values > limit
+    elif np.isinf(values).sum() > 1:
         return UNDETERMINED
-    changes = np.diff(values) * (1.0 if statement.expect == "rises" else -1.0)
-    minimum = statement.by * np.abs(np.where(np.isfinite(values[:-1]), values[:-1], values[1:]))
-    return CONFIRMED if (changes > minimum).all() else NOT_CONFIRMED
+    else:
+        rise = np.diff(values)
+        minimum = statement.by * np.abs(np.where(np.isfinite(values[:-1]), values[:-1], values[1:]))
+        agrees = (rise if statement.expect == "rises" else -rise) > minimum
+    return CONFIRMED if agrees.all() else NOT_CONFIRMED

@@ -220,9 +220,11 @@ def run_validation(
                 )
                 rows += compared
                 groups.append(group)
-    for measurement in plan.sets:
-        if measurement.is_form:
-            warnings.append(f"{measurement.name} is a form without numbers: {measurement.recipe}")
+    warnings += [
+        f"{measurement.name} is a form without numbers: {measurement.recipe}"
+        for measurement in plan.sets
+        if measurement.is_form
+    ]
     return _dataset(plan, rows, groups, statements, warnings, time.perf_counter() - start)
 
 
@@ -402,11 +404,8 @@ def _sample_oils(oil: Lubricant, plan: Validation) -> tuple[list[Lubricant], str
         columns[scatter.quantity] = distribution.centred(getattr(oil, scatter.quantity)).quantile(
             drawn[:, k]
         )
-    oils = list[Lubricant]()
-    for k in range(plan.samples):
-        values: dict[str, Any] = {name: float(column[k]) for name, column in columns.items()}
-        oils.append(attrs.evolve(oil, **values))
-    return oils, ""
+    rows = np.transpose([*columns.values()]).tolist()
+    return [attrs.evolve(oil, **dict(zip(columns, row, strict=True))) for row in rows], ""
 
 
 def evaluate_statement(
