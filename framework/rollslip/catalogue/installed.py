@@ -97,13 +97,10 @@ def installed() -> tuple[Offer, ...]:
     """Return the offers of all installed packages, by kind and name; a package twice on the path counts once."""
     offers: dict[tuple[str, str, str], Offer] = {}
     for distribution in importlib.metadata.distributions():
-        try:
-            offered = _offers(distribution)
-        except Exception:  # an incomplete installation, which pip reports
-            continue
-        for offer in offered:
-            # of a package that is twice on the path, Python imports the first one
-            offers.setdefault((offer.kind, offer.name, canonical(offer.package)), offer)
+        with suppress(Exception):  # an incomplete installation, which pip reports
+            for offer in _offers(distribution):
+                # of a package that is twice on the path, Python imports the first one
+                offers.setdefault((offer.kind, offer.name, canonical(offer.package)), offer)
     usable: dict[tuple[str, str], list[Offer]] = {}
     for offer in offers.values():
         if offer.state == "ok":

@@ -105,8 +105,7 @@ def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
         return f"a name, or a table{', or a list of them' if is_list else ''}"
     plain = next((type_names[member] for member in kinds if member in type_names), "table")
     if is_list:
-        plural = plain.replace("quantity", "quantities")
-        plural = plural.replace("number", "numbers")
+        plural = plain.replace("quantity", "quantities").replace("number", "numbers")
         return f"list of {plural.replace('text', 'texts')}"
     return " or ".join([plain, *choices])
 

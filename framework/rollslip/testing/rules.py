@@ -104,7 +104,8 @@ def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules apply to a model, the general ones first."""
     if isinstance(model, type):  # of a kind whose classes are not instantiated
         of = kind_of(model)
-        yield from () if of is None else (of.name,)
+        if of is not None:
+            yield of.name
         return
     yield "value"
     yield from (kind for kind in (*MODELS, *STAGES) if isinstance(model, kind))

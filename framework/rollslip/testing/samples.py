@@ -295,10 +295,9 @@ def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = N
         column = np.full(n, edges[0] if edges else 0.0)
         for i, part in enumerate(parts):
             column[i :: len(parts)] = _between(part, fractions[i :: len(parts)])
-        for i, edge in (
-            zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)) if edges and parts else ()
-        ):
-            column[i] = edge
+        if edges and parts:
+            for i, edge in zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)):
+                column[i] = edge
         getattr(slices, name)[:] = np.arange(n) % 4 if name == "regime" else column
     return accepted(model, slices)
 

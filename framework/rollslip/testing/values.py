@@ -54,13 +54,11 @@ def check_is_frozen(model: Any) -> None:
         attrs.has(cls), f"{cls.__qualname__} is no attrs class; decorate it with @attrs.frozen"
     )
     for name in [*(attribute.name for attribute in attrs.fields(cls)), "an_attribute_of_nobody"]:
-        try:
+        with suppress(AttributeError):
             setattr(model, name, getattr(model, name, None))
-        except AttributeError:
-            continue
-        raise Nonconformance(
-            f"{cls.__qualname__}.{name} can be set; decorate the class with @attrs.frozen"
-        )
+            raise Nonconformance(
+                f"{cls.__qualname__}.{name} can be set; decorate the class with @attrs.frozen"
+            )
 
 
 @rule("value")

@@ -296,8 +296,9 @@ def _point_seconds(scene: Scene, study: str, resolution: Resolution) -> float:
     except RollslipError:
         return math.nan
     # maps of a transient study, which the plan of a run prepares, are prepared by each point, as in this estimate
-    spent = time.process_time() - start_time if cls.is_transient else 0.0
-    return max(cost, spent)
+    if cls.is_transient:
+        cost = max(cost, time.process_time() - start_time)
+    return cost
 
 
 # The search ----------------------------------------------------------------------------------------------------------

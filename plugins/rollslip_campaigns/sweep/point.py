@@ -237,10 +237,11 @@ class _Point:
             self._end("outside-domain", str(error))
         except KeyboardInterrupt:
             raise
+        except PluginError as error:
+            self._end("crashed", str(error))
         except BaseException as error:  # also sys.exit() of a model
-            description = str(error) if isinstance(error, PluginError) else describe_error(error)
-            notes = () if isinstance(error, PluginError) else getattr(error, "__notes__", ())
-            self._end("crashed", "; ".join((description, *notes)))
+            notes = getattr(error, "__notes__", ())
+            self._end("crashed", "; ".join((describe_error(error), *notes)))
         self.row.seconds += time.perf_counter() - start_time
 
     def _end(self, status: str, message: str) -> None:

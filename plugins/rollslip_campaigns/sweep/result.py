@@ -89,8 +89,7 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     outputs = settings(sweep.scene, sweep.study)[sweep.study].outputs
     variables = dict[str, Any]()
     for name, (over, values, attributes) in fields.variables(dims, design.shape).items():
-        status_name = result_names.get(outputs[name].status) if name in outputs else None
-        if status_name:
+        if name in outputs and (status_name := result_names.get(outputs[name].status)):
             attributes[STATUS_VARIABLE] = status_name
         variables[result_names[name]] = (over, values, attributes)
     variables |= {

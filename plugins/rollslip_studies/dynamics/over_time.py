@@ -11,6 +11,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, Final
 
 import attrs
@@ -395,7 +396,7 @@ def choose_over_history(
     if history is None:
         return estimated
     for end in (0, 1):
-        try:
+        with suppress(RollslipError):  # the run reports which bearing cannot be assembled
             other, *_ = choose_slices_and_positions(
                 study,
                 with_operation(
@@ -403,10 +404,8 @@ def choose_over_history(
                 ),
                 fraction,
             )
-        except RollslipError:  # the run reports which bearing cannot be assembled
-            continue
-        if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):
-            estimated = other
+            if (other.resolution.slices or 0) > (estimated.resolution.slices or 0):
+                estimated = other
     return estimated
 
 

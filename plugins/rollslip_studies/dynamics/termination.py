@@ -309,7 +309,8 @@ def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[LoadedSlices]
         places = assembly.places(
             raceway.ring, last.orbit_angle.to_numpy()[owner], owner.astype(float)
         )
-        places |= {"position": places["position"][column]} if places else {}
+        if places:
+            places["position"] = places["position"][column]
         found.append(
             LoadedSlices(
                 0,

@@ -386,8 +386,9 @@ def _parsed_by_numpy(text: str, source: str) -> tuple[dict[str, Array], Array] |
         columns[name] = zero + (unity - zero) * column
         check: Any = fields[name].validator
         try:  # the extremes violate the limits if any value does
-            for extreme in (columns[name].min(), columns[name].max()) if check is not None else ():
-                check(None, fields[name], float(extreme))
+            if check is not None:
+                for extreme in (columns[name].min(), columns[name].max()):
+                    check(None, fields[name], float(extreme))
         except FieldError:
             return None
     return columns, np.array(numbers[1:]) + 1

@@ -13,6 +13,7 @@ compiled system `Varying` evaluates the history as piecewise cubics of time and 
 5. Pass the time functions, the axes and the stations to the compiled system.
 """
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Final
@@ -292,13 +293,13 @@ def varying_motion(
     # a bearing that cannot be assembled at the lower ends is refused here, before a run
     stations.motion(tuple(axis.initial_nodes[0] for axis in axes))
     k = assembly.kinematics
-    names = [axis.name for axis in axes]
+    axis_numbers = {axis.name: k for k, axis in enumerate(axes)}
     varying = Varying(
         [(course.starts, course.powers) for course in _courses(history, axes, limit, k.direction)],
         [(axis.initial_nodes[0], axis.high) for axis in axes],
         stations.interpolation_cell,
-        speed_axis=names.index("speed") if "speed" in names else -1,
-        root_axis=names.index("radial_load") if "radial_load" in names else -1,
+        speed_axis=axis_numbers.get("speed", -1),
+        root_axis=axis_numbers.get("radial_load", -1),
         cage_speed=list(base.names[0]).index("cage_speed"),
         inner_fraction=k.inner_radius / (k.inner_radius + k.outer_radius),
         still=_min_epicyclic_speed(assembly, history),
@@ -467,5 +468,5 @@ def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]
     difference = float(w_i[k] - w_o[k])
     if difference == 0.0:
         raise DomainError("nothing rolls at any time: the history keeps both rings at one speed")
-    sense = 1.0 if (difference > 0.0) == (assembly.kinematics.direction > 0) else -1.0
+    sense = math.copysign(1.0, difference * assembly.kinematics.direction)
     return sense * float(w_i[k]), sense * float(w_o[k])

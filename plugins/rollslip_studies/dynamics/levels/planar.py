@@ -643,7 +643,8 @@ def _scale(a: Assembly, cage: Cage, bent: BentRings | None) -> Array:
     ]
     energy = 0.5 * (cage.inertia + b.rollers * a.roller_mass * k.orbit_radius**2) * orbit**2
     of_rings = {"m": _SWING_FACTOR * length, "m/s": _SWING_FACTOR * speed, "rad": 1.0}
-    head += [of_rings[unit] for unit in ({} if bent is None else bent.names).values()]
+    if bent is not None:
+        head += [of_rings[unit] for unit in bent.names.values()]
     return np.array(
         [
             *head,
