@@ -35,7 +35,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.profile import profile_drop, slice_positions
 from rollslip.scene.schema import schema
-from rollslip.testing.samples import NumpyForm, picked, table
+from rollslip.testing.samples import NumpyForm, table
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages import stress as compiled_stress
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
@@ -526,11 +526,11 @@ def coarse_slices(subject, verdict):
     compiled = len(subject.forms) == 2
     whole = table(subject.model, 258 if compiled else 9)
     chain = subject.forms[0]
-    singles = [picked(whole, [i]) for i in range(len(whole))]
+    singles = [whole.taken([i]) for i in range(len(whole))]
     for one in singles:
         chain(one)
     for n in (0, 1, 2, 255, 256, 257):
-        part = picked(whole, slice(0, n))
+        part = whole.taken(slice(0, n))
         chain(part)
         for name in subject.model.writes:
             for got, one in zip(getattr(part, name), singles, strict=False):
@@ -547,7 +547,7 @@ def split_over_threads(subject, verdict):
 
     def parts():
         return [
-            picked(whole, slice(k * len(whole) // 8, (k + 1) * len(whole) // 8)) for k in range(8)
+            whole.taken(slice(k * len(whole) // 8, (k + 1) * len(whole) // 8)) for k in range(8)
         ]
 
     expected = parts()
@@ -573,7 +573,7 @@ def ten_million_slices(subject, verdict):
     """10 million slices have the bits of the thousand they repeat, at any block, and leave no memory behind."""
     resource = __import__("resource")  # not on every system, and only here
     small = table(subject.model, 2 * PATTERN)
-    small = picked(small, slice(0, PATTERN))
+    small = small.taken(slice(0, PATTERN))
     assert len(small) == PATTERN
     large = Slices(MILLIONS, small.conditions)
     for name in subject.reads & COLUMNS.keys():

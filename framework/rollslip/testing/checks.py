@@ -54,7 +54,6 @@ from rollslip.testing.samples import (
     for_all,
     forms_of,
     members,
-    picked,
     refuses,
     shown,
     table,
@@ -317,8 +316,8 @@ def check_does_not_depend_on_the_order_of_slices(model: SliceModel) -> None:
             np.argsort(np.arange(n) % 2, kind="stable"),
         ):
             same(
-                evaluate(shaped, picked(slices, order)),
-                picked(straight, order),
+                evaluate(shaped, slices.taken(order)),
+                straight.taken(order),
                 shaped,
                 bits(form, model),
                 f"{form} form, another order of slices",
@@ -338,7 +337,7 @@ def check_has_no_hidden_state(model: SliceModel) -> None:
             0.0,
             f"{form} form, the same input again",
         )
-        evaluate(shaped, picked(slices, np.arange(len(slices))[::-3]))
+        evaluate(shaped, slices.taken(np.arange(len(slices))[::-3]))
         same(
             evaluate(shaped, copy_of(slices)),
             first,
@@ -362,7 +361,7 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
         chain = Chain(shaped)
         tasks = []
         for k in range(THREADS):
-            given = picked(slices, (np.arange(n) + 37 * k) % len(slices))
+            given = slices.taken((np.arange(n) + 37 * k) % len(slices))
             compare = partial(
                 same,
                 expected=evaluate(shaped, copy_of(given)),
@@ -421,7 +420,7 @@ def _together(tasks: Sequence[Callable[[], None]]) -> None:
 def check_refuses_values_outside_its_domain(model: SliceModel) -> None:
     """NaN, infinities and what lies beyond a range end in an error that names the member; nothing computes on."""
     for form, shaped in forms_of(model):
-        slices = picked(table(shaped, 64), slice(0, 5))
+        slices = table(shaped, 64).taken(slice(0, 5))
         if not len(slices):
             raise Inapplicable("there is no slice that it takes, so that none can be spoiled")
         for member in sorted(model.reads):

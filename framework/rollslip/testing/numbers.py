@@ -40,7 +40,6 @@ from rollslip.testing.samples import (
     copy_of,
     evaluate,
     forms_of,
-    picked,
     shown,
     table,
 )
@@ -96,7 +95,7 @@ def check_friction_does_not_jump_in_slip(model: TractionModel) -> None:
     grid = np.clip([0.0, *np.logspace(-6, 2, 81)], low, high)
     if not len(base) or "sliding_speed" not in model.reads:
         raise Inapplicable("there is no slip to change")
-    at = picked(base, np.repeat(np.arange(len(base)), grid.size - 1))
+    at = base.taken(np.repeat(np.arange(len(base)), grid.size - 1))
     ends = [np.tile(grid[:-1], len(base)), np.tile(grid[1:], len(base))]
     friction = [_friction(at, model, speed) for speed in ends]
     largest = np.abs(friction[1]).reshape(len(base), -1).max(axis=1).repeat(grid.size - 1)
@@ -206,7 +205,7 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     if model.kernel() is not None:
         return  # which is what runs
     slices = table(model, 256)
-    quarter = picked(slices, slice(0, max(len(slices) // 4, 1)))
+    quarter = slices.taken(slice(0, max(len(slices) // 4, 1)))
     if len(slices) < 8:
         raise Inapplicable("there are too few slices that it takes")
     count = operations(model, slices)
@@ -272,7 +271,7 @@ def check_friction_has_its_declared_shapes(model: TractionModel) -> None:
             others = {"film_thermoviscosity": slope} if heats else {}
             wanted = SHAPES.get(model.shapes.get(of, ""))
             for i in range(len(base)) if wanted else ():
-                at = picked(base, np.full(speed.size, i))
+                at = base.taken(np.full(speed.size, i))
                 given = copy_of(at, **cold) if of == "cold" else at
                 mu = _friction(given, shaped, speed, **others)
                 refuse_unless(
@@ -282,7 +281,7 @@ def check_friction_has_its_declared_shapes(model: TractionModel) -> None:
                     f"at {shown(model, at, 0)}",
                 )
         if "bound" in model.shapes and len(base):
-            at = picked(base, np.repeat(np.arange(len(base)), speed.size))
+            at = base.taken(np.repeat(np.arange(len(base)), speed.size))
             filled = changed(at, shaped, sliding_speed=np.tile(speed, len(base)))
             bound = getattr(model, model.shapes["bound"])
             over = (

@@ -183,11 +183,6 @@ def copy_of(slices: Slices, **conditions: float) -> Slices:
     return other
 
 
-def picked(slices: Slices, order: Any) -> Slices:
-    """Return the slices of an order, as a copy."""
-    return slices.taken(order)
-
-
 def with_scene(model: Any) -> Any:
     """Return a model with typical values for what it leaves to a scene."""
     return attrs.evolve(
@@ -337,8 +332,8 @@ def accepted(model: SliceModel, slices: Slices) -> Slices:
     try:
         evaluate(model, tried)
     except DomainError:
-        return picked(
-            slices, [i for i in range(len(slices)) if not refuses(model, picked(slices, [i]))]
+        return slices.taken(
+            [i for i in range(len(slices)) if not refuses(model, slices.taken([i]))]
         )
     return slices
 

@@ -177,7 +177,8 @@ class Stations:
     #: Largest error of the rates between nodes, over all axes, relative to the largest rates.
     tolerance: float
     speeds_vary: bool  # whether the ring speeds vary
-    _motions: dict[Point, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
+    #: Stations assembled so far, by their points.
+    motions: dict[Point, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
     #: Errors of the checked intervals, by axis and ends. All motions of the bearing through this operation share them.
     _errors: dict[tuple[int, int, int], float] = attrs.field(factory=dict, init=False, repr=False)
 
@@ -212,11 +213,6 @@ class Stations:
     def _axis_tolerance(self) -> float:
         """Largest error of the rates along one axis, since the errors of several axes add up."""
         return _ERROR_FRACTION * self.tolerance / max(len(self.axes), 1)
-
-    @property
-    def motions(self) -> Mapping[Point, MovingBearing]:
-        """The stations assembled so far."""
-        return self._motions
 
     def interpolation_cell(self, point: Point) -> tuple[list[Point], list[Any]]:
         """Return the nodes around a point, by axis, and the compiled systems at all their combinations.
@@ -315,9 +311,9 @@ class Stations:
 
     def motion(self, point: Point) -> MovingBearing:
         """Return the bearing in motion at a point of the axes, assembled once."""
-        if point not in self._motions:
-            self._motions[point] = self._assembled_motion(point)
-        return self._motions[point]
+        if point not in self.motions:
+            self.motions[point] = self._assembled_motion(point)
+        return self.motions[point]
 
     @property
     def _bearings(self) -> dict[Point, Assembly]:
