@@ -87,8 +87,7 @@ class Predictions:
             values.append(Value(value, "" if prediction else "not predicted", math.nan))
             columns.append(value + sigma * errors)
         generator = np.random.default_rng(0)  # errors of different rows are independent
-        columns = [generator.permutation(column) for column in columns]
-        samples = np.array(columns).T
+        samples = np.array([generator.permutation(column) for column in columns]).T
         has_errors = any(prediction and prediction[1] for prediction in predicted)
         return values, samples if has_errors else samples[:0]
 

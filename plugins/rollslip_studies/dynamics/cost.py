@@ -120,6 +120,8 @@ def _sample_history(
     Between two sampled times the evaluations per second of motion follow a power of the time. ``rate`` has those at the
     end of the trial motion; infinity where there are no later times, or a motion fails.
     """
+    from scipy.special import boxcox
+
     times, states = moving.sample_states()
     remaining = 0.0
     before = last.last_t
@@ -130,8 +132,8 @@ def _sample_history(
         if math.isinf(later):
             return math.inf
         power = 1.0 + math.log(later / rate) / math.log(t / before)
-        integral = math.log(t / before) if power == 0.0 else ((t / before) ** power - 1.0) / power
-        remaining += before * rate * integral
+        # Box and Cox's transformation is the integral of a power of the time
+        remaining += before * rate * float(boxcox(t / before, power))
         before = t
         rate = later
     return remaining + rate * (study.duration - before) if before > last.last_t else math.inf
@@ -178,9 +180,7 @@ def _time_stored_point(moving: MovingBearing, last: Trajectory, points: int) -> 
     count = 1
     seconds = 0.0
     while count < points and seconds < _MEASURED_SECONDS:
-        required = _CALLS
-        if seconds:
-            required = math.ceil(2.0 * _MEASURED_SECONDS / max(seconds, 1e-9) * count)
+        required = math.ceil(2.0 * _MEASURED_SECONDS / max(seconds, 1e-9) * count)
         count = min(_CALLS * count, required, points)
         states = np.array([last.last_y] * count)
         times = np.full(count, last.last_t)
