@@ -190,9 +190,8 @@ class MovingBearing(abc.ABC):
     @property
     def evaluation_method(self) -> str:
         """How friction is evaluated, and which other tables there are, in words."""
-        friction = self.friction
-        text = FRICTION[friction.settings.name]
-        return f"{text}, {friction.evaluation_method}" if friction.evaluation_method else text
+        texts = (FRICTION[self.friction.settings.name], self.friction.evaluation_method)
+        return ", ".join(filter(None, texts))
 
     @property
     def units(self) -> dict[str, str]:
@@ -243,10 +242,11 @@ class MovingBearing(abc.ABC):
 
     def split(self, y: Array) -> dict[str, Array]:
         """Return the unknowns of states (..., n) by name, as views: (...), and (..., Z) for those of rollers."""
-        unknowns: dict[str, Array] = {}
-        for names, part in zip(self.names, self.parts(y), strict=True):
-            unknowns |= {name: part[..., k] for k, name in enumerate(names)}
-        return unknowns
+        return {
+            name: part[..., k]
+            for names, part in zip(self.names, self.parts(y), strict=True)
+            for k, name in enumerate(names)
+        }
 
     def works(self, y: Array) -> dict[str, Array]:
         """Return the entries of the ledger that are work done on the motion [J], by name; losses are negative."""
