@@ -56,7 +56,7 @@ def print_models(what: str | None, *, verbose: bool = False) -> None:
     verbose : bool, optional
         Whether all names of all kinds are printed.
     """
-    what = _KINDS.get(what, what) if what is not None else None
+    what = what and _KINDS.get(what, what)
     if what is None:
         _print_kinds(verbose)
     elif what in offered_kinds():
@@ -118,12 +118,9 @@ def explained(code: str) -> dict[str, str]:
     own = dict[tuple[str, str], dict[str, list[str]]]()
     for kind in offered_kinds() if code not in found else ():
         for name, offer in available(kind).items():
-            about = (
-                _model_as_dict(kind, name)
-                if offer.state == "ok" and not get_kind(kind).data
-                else {}
-            )
-            for bound in about.get("made_for", ()):
+            if offer.state != "ok" or get_kind(kind).data:
+                continue
+            for bound in _model_as_dict(kind, name).get("made_for", ()):
                 row = found.setdefault(bound["code"], {"laws": "", "valid for": "", "outside": ""})
                 law = f"{kind} {name}"
                 row["laws"] = ", ".join(filter(None, (row["laws"], law)))
@@ -347,9 +344,7 @@ def _print_model(kind: str, name: str) -> None:
     _print_data(kind, name, about)
     _print_law(about)
     if about["references"]:
-        click.echo("references")
-    for text in about["references"]:
-        click.echo(f"  {text}")
+        click.echo("\n  ".join(["references", *about["references"]]))
 
 
 def _print_data(kind: str, name: str, about: dict[str, Any]) -> None:

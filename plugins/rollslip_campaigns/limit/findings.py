@@ -6,7 +6,6 @@ import shlex
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.results.account import Account, SpreadsheetRows, Table
 from rollslip.results.answer import Answer, Row
@@ -157,7 +156,9 @@ def summarise_limit(dataset: "xr.Dataset") -> str:
     if not values.size:
         return f"no {label} has a result, so that the limit is unknown"
     spans = satisfied_spans(dataset)
-    extent = f"from {_format_bounds(dataset, values)}"
+    extent = (
+        f"from {_format_searched(dataset, values[0])} to {_format_searched(dataset, values[-1])}"
+    )
     if not spans:
         return f"{requirement} at no {label} {extent}"
     if len(spans) > 1:
@@ -210,11 +211,6 @@ def describe_limit(dataset: "xr.Dataset") -> str:
         for value in dataset["edge_passed"].to_numpy().tolist()
     ]
     return "; ".join((summary, *beyond)) if beyond else summary + _describe_nearest(dataset)
-
-
-def _format_bounds(dataset: "xr.Dataset", values: NDArray[Any]) -> str:
-    """Text of the first and last value."""
-    return f"{_format_searched(dataset, float(values[0]))} to {_format_searched(dataset, float(values[-1]))}"
 
 
 def _describe_nearest(dataset: "xr.Dataset") -> str:

@@ -76,8 +76,7 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
                 ring = " of the inner ring"
             else:  # a result with several names may be worse on either ring
                 panels = ["ring"]
-        closure = closure_note(dataset) if name.startswith("critical_") else ""
-        title = f"{_name(values)}{ring}{closure}"
+        title = f"{_name(values)}{ring}{closure_note(dataset, name)}"
         suffix = "" if name == _RESULT else f"-{name.replace('_', '-').replace(' ', '-')}"
         if len(numbers) == 2 and all(dataset.sizes[key] <= _MAX_PANELS for key in choices):
             caption, figure = _map_of_result(dataset, values, title, numbers, panels)
@@ -178,8 +177,8 @@ def describe_models(dataset: "xr.Dataset") -> str:
     else:
         scatter = f"the middle half of {(~known).sum()} ends beyond the range"
     return (
-        f"Cage slip at largest traction of the inner ring{closure_note(dataset)} for {len(quantiles)} choices of "
-        f"{short_label(key)}: median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the "
+        f"Cage slip at largest traction of the inner ring{closure_note(dataset, _RESULT)} for {len(quantiles)} choices "
+        f"of {short_label(key)}: median, middle half, and 5 to 95 % of the samples (100 % where they lie beyond the "
         f"range, or their point failed): {spread}, {scatter}."
     )
 

@@ -101,7 +101,7 @@ class SweepAccount(Account):
                     for statistic in ("smallest", "largest", "median")
                 )
                 extent = f"{smallest} to {largest}, median {median}"
-            label = f"{name}{closure_note(dataset)}" if name.startswith("critical_") else name
+            label = f"{name}{closure_note(dataset, name)}"
             values = format_count(row["values"], "value")
             why = in_brackets(row["why"])
             lines.append(f"{label}: {extent}; {values}, {row['missing']} without one{why}")
@@ -266,9 +266,11 @@ def _format_value(value: float, name: str, unit: str) -> str:
     return f"{100.0 * value:.4g} %" if in_percent(name, unit) else with_unit(value, unit)
 
 
-def closure_note(dataset: "xr.Dataset") -> str:
-    """Return the closure of critical slips, after a space; "" where it varies or is not known."""
-    return f" {dataset.attrs['curves_with']}" if "curves_with" in dataset.attrs else ""
+def closure_note(dataset: "xr.Dataset", name: str) -> str:
+    """Return the closure of a critical slip, after a space; "" of another output, and where it varies or is unknown."""
+    if not name.startswith("critical_") or "curves_with" not in dataset.attrs:
+        return ""
+    return f" {dataset.attrs['curves_with']}"
 
 
 def named_dims(values: "xr.DataArray", keys: Collection[str]) -> list[str]:

@@ -257,10 +257,9 @@ def _distribute(
     assembly: Assembly, i: int, force: float, tilted: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
     """Return the load per length [N/m] under a force [N], in proportion to that of a tilted roller, or aligned."""
-    tilted_force = 0.0 if tilted is None else float(tilted @ assembly.widths)
-    if tilted is None or not tilted_force > 0.0:
-        return balanced_load(assembly, assembly.raceways[i], force)
-    return tilted * (force / tilted_force)
+    if tilted is not None and (tilted_force := float(tilted @ assembly.widths)) > 0.0:
+        return tilted * (force / tilted_force)
+    return balanced_load(assembly, assembly.raceways[i], force)
 
 
 def _contacts(
