@@ -267,7 +267,15 @@ def _format_value(value: float, name: str, unit: str) -> str:
 
 
 def closure_note(dataset: "xr.Dataset", name: str) -> str:
-    """Return the closure of a critical slip, after a space; "" of another output, and where it varies or is unknown."""
+    """Return the closure of a critical slip, after a space; "" of another output, and where it varies or is unknown.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Result of a sweep.
+    name : str
+        Name of the output.
+    """
     if not name.startswith("critical_") or "curves_with" not in dataset.attrs:
         return ""
     return f" {dataset.attrs['curves_with']}"
