@@ -234,7 +234,9 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
     told = []
     over = {"operation.radial_load": "2 kN:6 kN:3"}
     report = {"report": lambda *given: told.append(given), "engine": "serial"}
-    found = rollslip.explore(coarse("1032930-70C"), over, out=tmp_path / "p.html", checks=1, **report)
+    found = rollslip.explore(
+        coarse("1032930-70C"), over, out=tmp_path / "p.html", checks=1, **report
+    )
     assert (found["points"], (tmp_path / "p.html").read_text()) == (4, "page")
     assert told[-1][0] == "1 of 1 points"
     monkeypatch.chdir(tmp_path)

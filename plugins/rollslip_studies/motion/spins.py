@@ -823,7 +823,9 @@ class Motions:
         With the motion under the moments so far, the forces of the train give new ones. They include by how much a
         change of the moments changes the torques that drive the train.
         """
-        if starts is None:  # of the two rollers that `find` marches the first one alone is needed here
+        if (
+            starts is None
+        ):  # of the two rollers that `find` marches the first one alone is needed here
             starts = np.repeat(self._rolling_slips(slips)[:, :1], 2, axis=1)
         roller_slips = self._march(slips, starts, spins).roller_slips[:, 0].ravel()
         torque, fall = (
