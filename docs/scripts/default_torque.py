@@ -15,7 +15,7 @@ from output import write_table
 from scipy.optimize import brentq
 
 from rollslip import evolve, plan
-from rollslip.planning.new_scene import new_scene
+from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_plugins.thermal import Given
@@ -53,7 +53,8 @@ def by_formula(series, mean, nu, rpm, load):
 
 def scene(name, **changes):
     """A bearing as ``rollslip new`` writes it, with a twentieth of its static rating."""
-    made = parse_scene(new_scene(name, bearing=name, supply="bath", **REQUESTED), name)
+    requested = ASSUMED | REQUESTED | {"bearing": name, "supply": "bath"}
+    made = parse_scene(new_scene(name, **requested), name)
     own = {"operation.radial_load": 0.05 * made.bearing.static_rating, "accuracy.tolerance": 0.01}
     return evolve(made, own | changes, si=True)
 

@@ -70,7 +70,7 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     assert "  assumed  models, law and drags are the paper's or assumed for it" in short.stdout
     assert LOWER_BOUNDS in " ".join(short.stdout.split())
     assert re.search(
-        r"\n  notes    W20: slip 3\.\d % with roelands \(-v\)\n",
+        r"\n  notes    W20: slip 3\.\d % with roelands; ",
         short.stdout,
     )
     assert answer[-1] == "  next     rollslip run 1032930-70C --study steady-slip"

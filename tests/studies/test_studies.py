@@ -39,6 +39,7 @@ SHORT = {
 }
 #: Outputs that need other settings than those above; those of a history stand in test_dynamics_history.py.
 ELSEWHERE = {
+    "effective-friction": {"driving_torque", "drag_torque"},  # on demand alone, in sweeps
     "thermal-balance": {"course_temperature", "course_slip", "course_status"},
     "dynamics": {"inner_speed", "outer_speed", "radial_load", "load_direction", "temperature",
                  "inner_ring_temperature", "roller_temperature", "outer_ring_temperature", "epicyclic_cage_speed",

@@ -107,7 +107,7 @@ def models_origin(plan: Plan, study: str) -> dict[str, Any]:
     raw: Mapping[str, Any] = scene.raw or {}
     own = describe_own_cage(scene, plan.studies)
     return as_attributes(
-        packages=_packages_behind(study) | packages_of(offers_of(scene, study, plan.models)),
+        packages=packages_of(offers_of(scene, study, plan.models)),
         models=describe_models(plan.models),
         lubricant=describe_lubricant(assembly.lubricant),
         **(
@@ -166,7 +166,8 @@ def describe_scene(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
         "title": _title(given),
         "source": given.source,
         "scene": given.text,
-        "assumed": json.dumps(assumed_keys(given)),
+        # most scenes have no comment of this word, which `assumed_keys` looks for
+        "assumed": json.dumps(assumed_keys(given) if "ASSUMED" in given.text else []),
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
         **({"changed": 1} if CHANGES in given.origins.values() else {}),

@@ -792,8 +792,8 @@ def _shortening_steps(
         partial(delitem, commands, slice(1, None)),
         *[table.pop] * (len(table) - _MIN_TABLE),
         *[assumed.pop] * (len(assumed) - 2),
-        partial(_keep_first_parts, assumed, width, more),
-        partial(_keep_first_parts, notes, width, more),
+        partial(_cut_to_line, assumed, width, more),
+        partial(_cut_to_line, notes, width, more),
         *(partial(_shorten_note, rows, k, room) for k in reversed(range(len(rows)))),
         partial(delitem, assumed, slice(1, None)),
         *[rows.pop] * len(rows),
@@ -806,7 +806,7 @@ def _shorten_note(rows: list[tuple[str, str, str]], k: int, room: int) -> None:
     rows[k] = label, text, textwrap.shorten(note, room, placeholder=" ...")
 
 
-def _keep_first_parts(texts: list[str], width: int, more: str) -> None:
+def _cut_to_line(texts: list[str], width: int, more: str) -> None:
     """Replace texts by those of their parts that fit on one line."""
     texts[:] = [_line(text, width, more) for text in texts]
 

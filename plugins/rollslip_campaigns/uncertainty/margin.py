@@ -380,10 +380,8 @@ def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
     elif samples is None:
         samples = _MAX_DEFAULT_SAMPLES if requested.plain else _DEFAULT_EMULATED
     if (loads := requested.loads) is None:
-        has_acceptable_slip = "acceptable_slip" in requested.base_scene.study.get(
-            SteadySlip.name, {}
-        )
-        loads = min(_DEFAULT_LOADS, samples) if has_acceptable_slip else 0
+        study = requested.base_scene.study.get(SteadySlip.name)
+        loads = min(_DEFAULT_LOADS, samples) if study and "acceptable_slip" in study else 0
     return samples, loads
 
 
@@ -394,9 +392,9 @@ def _check_design(sweep: Sweep, indices: int) -> None:
         f"sweep.over: {', '.join(axis.key for axis in sweep.design.axes)} is swept, but margins are of one "
         "bearing; take rollslip sweep run",
     )
+    correlation = sweep.uncertainty.correlation
     raise_problem_if(
-        indices
-        and np.any(sweep.uncertainty.correlation != np.eye(len(sweep.uncertainty.distributions))),
+        indices and np.any(correlation != np.eye(len(correlation))),
         "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
         "the indices, or the correlations",
     )

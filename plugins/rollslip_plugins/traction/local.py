@@ -288,10 +288,10 @@ class MaxwellEyringLocal(EyringGroups):
             point, at = thickens[0]
             highest = pressures[point, at]
             tried = np.linspace(0.0, highest, 201)
-            held = tried[np.argmax(~(self.law.at(c, tried)[1] >= 0)) - 1]
+            valid = tried[np.argmax(~(self.law.at(c, tried)[1] >= 0)) - 1]
             raise DomainError(
                 f"{self.name}: slice {at} is outside its domain: at {format_quantity(highest, 'Pa', 3)} the oil "
-                f"thickens with heat after {self.law.name!r}, up to {format_quantity(held, 'Pa', 2)} it does not; give "
+                f"thickens with heat after {self.law.name!r}, up to {format_quantity(valid, 'Pa', 2)} it does not; give "
                 "lubricant.pressure_viscosity as a table that falls with temperature, or choose another "
                 "lubricant.pressure_viscosity_law"
             )

@@ -267,12 +267,10 @@ class EffectiveFriction(Study):
         """Return about how many slices the study will evaluate: curve, maximum, error of the slices, and map."""
         loads = assembly.load_distribution(1)
         half = loads.psi.size // 2 + 1
+        pairs = zip(assembly.raceways, (loads.inner_load, loads.outer_load), strict=True)
         contacts = sum(
             LoadedContacts(raceway, load[0, :half], assembly.widths, 1.0).force.size
-            for raceway, load in (
-                (assembly.inner, loads.inner_load),
-                (assembly.outer, loads.outer_load),
-            )
+            for raceway, load in pairs
         )
         n_positions = 2 * _FIRST_POSITIONS  # at which most curves converge
         per_point = 12 if self.closure == "free-roller" else 1
@@ -562,7 +560,7 @@ class EffectiveFriction(Study):
         if not self.skidding_range:
             return {}, {}
         balance = self.torque_balance(assembly, n_positions)
-        variables, coords = self._torques(balance, outputs)
+        variables, coords = self._torques(balance, outputs) if outputs & _TORQUES else ({}, {})
         if not outputs & (_SKIDDING | _STEADY):
             return variables, coords
         onset = self.skidding_onset(balance)

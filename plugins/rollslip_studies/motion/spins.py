@@ -627,14 +627,9 @@ class Motions:
         rows = np.array([*range(slips.size), *ambiguous])
         walkers = np.array([0] * slips.size + [1] * len(ambiguous))
         roller_slips = march.roller_slips[rows, walkers]
+        orbit_changes = march.orbit_changes[rows, walkers]
         motions = self._refine(
-            spins,
-            slips,
-            rows,
-            roller_slips,
-            march.orbit_changes[rows, walkers],
-            brakes,
-            brake_errors,
+            spins, slips, rows, roller_slips, orbit_changes, brakes, brake_errors
         )
         out = [[motion] for motion in motions[: slips.size]]
         for row, motion in zip(ambiguous, motions[slips.size :], strict=True):
@@ -693,7 +688,7 @@ class Motions:
                     spins, slips, rows[failed], marched[failed], inertia[failed], scale[failed]
                 )
                 found[failed], multiplier[failed], torque[failed], error[failed] = of_failed
-                is_stable = np.abs(multiplier) < 1.0
+                is_stable = np.abs(multiplier) <= 1.0  # where no friction acts a motion is neutral
                 converged[failed] = is_stable[failed] & (error[failed] < _MAX_ERROR)
         else:
             found = marched
@@ -846,9 +841,8 @@ class Motions:
         k = self.assembly.kinematics
         spin_torque, torque = self._torques(spins, roller_slips)
         nudged_spin_torque, nudged_torque = self._torques(spins, roller_slips + NUDGED)
-        rise = np.maximum(
-            nudged_spin_torque - spin_torque, 0.0
-        )  # below zero it is not in a stable balance
+        # below zero the spin is not in a stable balance
+        rise = np.maximum(nudged_spin_torque - spin_torque, 0.0)
         fall = np.divide(
             rise - nudged_torque + torque, rise, out=np.zeros_like(rise), where=rise > 0.0
         )

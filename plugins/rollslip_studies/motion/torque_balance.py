@@ -575,11 +575,10 @@ def reserve(
     max_slip : float
         Largest cage slip.
     """
-    outcome = Status.of(operation.status)
-    is_found = outcome is Status.FOUND
-    if outcome is Status.DRIVEN:
+    is_found = operation.status == Status.FOUND
+    if operation.status.startswith(Status.DRIVEN):
         return Reserve(math.inf, f"{Status.AT_LEAST}: {operation.status}")
-    if outcome not in (Status.FOUND, Status.NO_STEADY_SLIP):
+    if not (is_found or operation.status.startswith(Status.NO_STEADY_SLIP)):
         return Reserve(math.nan, operation.status)
     is_driven = operation.slip < 0.0
     drag = -balance.drag(0.0) if is_driven else operation.drag
