@@ -63,7 +63,16 @@ def _collect(
         for entry in value:
             _collect(entry, keys, own, known, units)
     elif value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
-        # the innermost key that has a unit; where there is no value, only if that is the key of the value itself
-        name = next((key for key in reversed(keys) if key in known), None)
-        if name is not None and (value is not None or name == keys[-1]):
-            units[name] = known[name]
+        _add_unit(value, keys, known, units)
+
+
+def _add_unit(
+    value: float | None,
+    keys: tuple[str, ...],
+    known: Mapping[str, str],
+    units: MutableMapping[str, str],
+) -> None:
+    """Add the unit of a number by its innermost known key; of a missing number only by its own key."""
+    name = next((key for key in reversed(keys) if key in known), None)
+    if name is not None and (value is not None or name == keys[-1]):
+        units[name] = known[name]
