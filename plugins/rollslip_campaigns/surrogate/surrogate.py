@@ -506,14 +506,7 @@ def run_surrogate(
         name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLE_AXES
     }
     axes = _axes(plan.ranges)
-    # temperatures [K] and loads [N] of the random operations
-    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
-    operations = {
-        key.partition(".")[2]: np.array(
-            [float(change.get(key, plan.ranges[key][0])) for change in changes]
-        )
-        for key in OPERATION_KEYS[:2]
-    }
+    operations = _random_operations(plan)
     seconds_each = (time.monotonic() - start) / design.size
     attempts = (
         _levels_in_time(nodes, start, seconds_each) if plan.seconds else _levels_by_error(nodes)
@@ -521,13 +514,7 @@ def run_surrogate(
     for levels, allowed in attempts:
         rows = [_row(axis, level) for axis, level in zip(axes.values(), levels, strict=True)]
         fine = nodes.tables(*rows)
-        strides = _choose_point_strides(fine, allowed)
-        rolling = fine["rolling_speed"][0, 0]
-        while (
-            strides[1] > 1
-            and _drag_error(plan.sweep.scene, plan.ranges, rolling[:: strides[1]]) > allowed
-        ):
-            strides[1] //= 2
+        strides = _choose_strides(plan, fine, allowed)
         tables = _coarsen(fine, strides)
         t, w = (
             Axis(axes[name].nodes[row], axes[name].logarithmic).weights(operations[name])
@@ -552,6 +539,30 @@ def run_surrogate(
     dataset = _dataset(plan, axes, rows, strides, {**fine, **tables}, operations, errors)
     save(dataset, folder / RESULT)
     return dataset
+
+
+def _random_operations(plan: SurrogatePlan) -> dict[str, Array]:
+    """Return temperatures [K] and loads [N] of the random operations."""
+    design = plan.random.design
+    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
+    return {
+        key.partition(".")[2]: np.array(
+            [float(change.get(key, plan.ranges[key][0])) for change in changes]
+        )
+        for key in OPERATION_KEYS[:2]
+    }
+
+
+def _choose_strides(plan: SurrogatePlan, fine: Mapping[str, Array], allowed: float) -> list[int]:
+    """Return strides of the nodes of a point with which tables and drags are within an allowed error."""
+    strides = _choose_point_strides(fine, allowed)
+    rolling = fine["rolling_speed"][0, 0]
+    while (
+        strides[1] > 1
+        and _drag_error(plan.sweep.scene, plan.ranges, rolling[:: strides[1]]) > allowed
+    ):
+        strides[1] //= 2
+    return strides
 
 
 def _describe_cost(nodes: _Nodes, checks: int, seconds: float) -> str:

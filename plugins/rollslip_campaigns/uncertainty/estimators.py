@@ -20,11 +20,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.dataset import about
 from rollslip.search import Array
 
 __all__ = [
     "Estimate",
     "Indices",
+    "estimate_variables",
     "fraction",
     "indices",
     "min_samples",
@@ -319,3 +321,22 @@ def indices(a: Array, b: Array, ab: Array, seed: int, confidence: float = 0.95) 
     low, high = np.percentile(resampled, (tail, 100.0 - tail), axis=0)
     estimates = np.stack([estimate_indices(rows), low, high], axis=1)
     return Indices(estimates[0], estimates[1], rows.size)
+
+
+def estimate_variables(name: str, estimate: Estimate, doc: str) -> dict[str, Any]:
+    """Return three scalar variables of an estimate: its value and both bounds.
+
+    Parameters
+    ----------
+    name : str
+        Name of the value; those of its bounds end in ``_low`` and ``_high``.
+    estimate : Estimate
+        The estimate.
+    doc : str
+        What the value is.
+    """
+    return {
+        name: ((), estimate.value, about("1", doc)),
+        f"{name}_low": ((), estimate.low, about("1", f"{doc}, low end of its 95 % interval")),
+        f"{name}_high": ((), estimate.high, about("1", f"{doc}, high end of its 95 % interval")),
+    }

@@ -76,6 +76,7 @@ from rollslip_campaigns.uncertainty.emulation import (
 )
 from rollslip_campaigns.uncertainty.estimators import (
     Estimate,
+    estimate_variables,
     fraction,
     indices,
     min_samples,
@@ -349,6 +350,8 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **whole)
     _check_design(critical, requested.indices)
     requested_engine(critical)  # an unusable engine is refused before a folder is made
+    if scatter:  # its ends are those that the sources of the data declare
+        critical = attrs.evolve(critical, unusual=())
     return Margin(
         critical=critical,
         load=plan_sweep(
@@ -535,11 +538,8 @@ def _compute_batches(
     all_samples = compute_samples("critical", total) if first == total else None
     count = min(_FIRST_BATCH, first)
     while True:
-        critical = (
-            compute_samples("critical", count)
-            if all_samples is None
-            else all_samples.isel(sample=slice(count))
-        )
+        critical = compute_samples("critical", count) if all_samples is None else all_samples
+        critical = critical.isel(sample=slice(count))
         allowable = _allowable(plan, critical)
         batches.append((count, allowable))
         print_line(f"{count} samples: {_describe_allowable(allowable)}")
@@ -613,7 +613,7 @@ def _dataset(
             LOAD: plan.minimum_loads(points["load"]),
             **values,
         }
-    variables |= _estimate_variables("allowable", batches[-1][1], "allowable slip")
+    variables |= estimate_variables("allowable", batches[-1][1], "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
     probabilities = sorted(
         {*_REPORTED_PROBABILITIES, round(1.0 - plan.probability, 12), plan.probability}
@@ -706,12 +706,12 @@ def _probabilities(
         total = emulated.values[STEADY].size
     known = ~np.isnan(slip) & ~np.isnan(skidding_slip)
     return {
-        **_estimate_variables(
+        **estimate_variables(
             "margin",
             fraction(int((slip < skidding_slip)[known].sum()), int((~known).sum()), n, CONFIDENCE),
             "probability that the steady slip is below that at which skidding begins",
         ),
-        **_estimate_variables(
+        **estimate_variables(
             "skidding",
             fraction(counts["skids"], counts["unknown"], total, CONFIDENCE),
             "probability that the cage has no balance of torques",
@@ -771,17 +771,8 @@ def _distributions(
     }
 
 
-def _estimate_variables(name: str, estimate: Estimate, doc: str) -> dict[str, Any]:
-    """Three scalar variables of an estimate: its value and both bounds."""
-    return {
-        name: ((), estimate.value, about("1", doc)),
-        f"{name}_low": ((), estimate.low, about("1", f"{doc}, low end of its 95 % interval")),
-        f"{name}_high": ((), estimate.high, about("1", f"{doc}, high end of its 95 % interval")),
-    }
-
-
 def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
-    """Variables of the Sobol indices, and the quantities that have some; a slip beyond the range counts as its end."""
+    """Variables of the Sobol indices, and the quantities that have some; infinite values count as the largest."""
     d = len(plan.critical.design.sampled)
     rows = list[Any]()
     names = list[str]()
@@ -790,6 +781,8 @@ def _indices(plan: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
         if name == DRAG or name.startswith(f"{CRITICAL_SLIP},"):
             continue
         last = study.slip_range if name == CRITICAL_SLIP else study.skidding_range
+        if name == RESERVE:  # of a cage that nothing drags
+            last = np.max(values, where=np.isfinite(values), initial=1.0)
         table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
         estimates = indices(
             table[:, 0], table[:, 1], table[:, 2:].T, plan.critical.table.seed, CONFIDENCE
