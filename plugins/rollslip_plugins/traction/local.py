@@ -291,8 +291,8 @@ class MaxwellEyringLocal(EyringGroups):
             valid = tried[np.argmax(~(self.law.at(c, tried)[1] >= 0)) - 1]
             raise DomainError(
                 f"{self.name}: slice {at} is outside its domain: at {format_quantity(highest, 'Pa', 3)} the oil "
-                f"thickens with heat after {self.law.name!r}, up to {format_quantity(valid, 'Pa', 2)} it does not; give "
-                "lubricant.pressure_viscosity as a table that falls with temperature, or choose another "
+                f"thickens with heat after {self.law.name!r}, up to {format_quantity(valid, 'Pa', 2)} it does not; "
+                "give lubricant.pressure_viscosity as a table that falls with temperature, or choose another "
                 "lubricant.pressure_viscosity_law"
             )
         tau0 = self.eyring_stress(s)
