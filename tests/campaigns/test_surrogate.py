@@ -210,6 +210,7 @@ def operations(place, tables):
         {
             name: quantity(f"{cell} {unit}", dataset[name].attrs["units"]) if cell else math.nan
             for (name, unit), cell in zip(heads, row.values(), strict=True)
+            if name != "inside"  # 1 or 0, which the export adds
         }
         for row in csv.DictReader(io.StringIO(text))
     ]
