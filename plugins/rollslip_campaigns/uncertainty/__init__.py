@@ -50,7 +50,7 @@ class UncertaintySettings(OfPoints):
     name = "uncertainty"
 
     samples: int | None = setting(
-        "Samples of reserve and slips.  [default: 256; with --plain 128, doubled until the bounds have 95 % "
+        "Samples of reserve and slips.  [default: 128; with --plain doubled until the bounds have 95 % "
         "intervals, for 10 min]",
         value_type=int,
         minimum=2,

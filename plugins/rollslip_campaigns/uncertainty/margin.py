@@ -125,9 +125,9 @@ _DEFAULT_SAMPLES = 128
 #: Default maximum number of samples. Twice as many double the time where points fail, so that intervals stay open.
 #: Chosen: three times the 336 samples that a 1 % quantile needs.
 _MAX_DEFAULT_SAMPLES = 1024
-#: Default number of samples of which most are found by torques at a few slips. Twice as many take 1.3 times as long.
-#: Chosen: it takes less time than `_DEFAULT_SAMPLES` that are computed as a whole.
-_DEFAULT_EMULATED: Final = 256
+#: Default number of samples of which most are found by torques at a few slips. Twice as many take 2.4 times as long for
+#: gearbox. Chosen: as many as `_DEFAULT_SAMPLES`, which take 1.6 times as long if all are computed as a whole.
+_DEFAULT_EMULATED: Final = 128
 #: Time [s] beyond which no batch is to end that the number of samples by default begins. Chosen: a user waits as long.
 _MAX_SECONDS = 600.0
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
