@@ -122,7 +122,7 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
         return []
     # each of these parses all of the metadata
     package = distribution.name
-    version = package and distribution.version
+    version = distribution.version if package else ""
     if not version:
         return []
     state, cause = _state(distribution)

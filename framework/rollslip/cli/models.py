@@ -56,7 +56,8 @@ def print_models(what: str | None, *, verbose: bool = False) -> None:
     verbose : bool, optional
         Whether all names of all kinds are printed.
     """
-    what = what and _KINDS.get(what, what)
+    if what is not None:
+        what = _KINDS.get(what, what)
     if what is None:
         _print_kinds(verbose)
     elif what in offered_kinds():

@@ -183,7 +183,8 @@ const char *bearing_message(int outside) {
 void bearing_output(bearing *b) {
     double none[2];
     int outside = bearing_outside(b);
-    fold(b), rates(b, b->state, none, b->v);
+    fold(b);
+    rates(b, b->state, none, b->v);
     b->v[B_INSIDE] = !outside;
 #ifdef BEARING_WARN
     if (outside && outside != b->outside) BEARING_WARN(bearing_message(outside));

@@ -50,8 +50,8 @@ class UncertaintySettings(OfPoints):
     name = "uncertainty"
 
     samples: int | None = setting(
-        "Samples of reserve and slips.  [default: 128; with --plain doubled until the bounds have 95 % "
-        "intervals, for 10 min]",
+        "Samples of reserve and slips.  [default: 128, doubled until the bounds have 95 % intervals, "
+        "for 10 min]",
         value_type=int,
         minimum=2,
         metavar="N",
@@ -73,7 +73,7 @@ class UncertaintySettings(OfPoints):
         "Samples of the minimum load.  [default: 64]", value_type=int, minimum=0, metavar="N"
     )
     plain: bool = setting(
-        "Compute every sample as a whole; else most by torques at a few slips.",
+        "Compute every sample as a whole; else most of 512 and more by torques at a few slips.",
         value_type=bool,
         default=False,
     )

@@ -23,7 +23,7 @@ import numpy as np
 from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.search import Array
 from rollslip_campaigns.uncertainty.estimators import Estimate
-from rollslip_studies.motion.loading_branch import SEARCH, SKIDDING_RATIO
+from rollslip_studies.motion.loading_branch import SEARCH
 
 __all__ = ["Basis", "Scale", "balance", "choose_basis", "scales"]
 
@@ -266,7 +266,10 @@ def _first_root(slips: Array, excess: Array) -> Array:
 
 
 def _skidding_slips(slips: Array, torques: Array) -> Array:
-    """First slip of the grid below `SKIDDING_SLIP` from which the cage skids, infinite without one, (N,)."""
+    """First slip of the grid below `SKIDDING_SLIP` from which the cage skids, infinite without one, (N,).
+
+    It is the slip of a jump that leads beyond `SKIDDING_SLIP`, as for `rollslip_studies.motion.loading_branch.Jump`.
+    """
     rows = np.arange(len(torques))
     onset = np.full(len(torques), np.inf)
     for k in reversed(range(1, int((slips < SKIDDING_SLIP).sum()))):
@@ -278,7 +281,7 @@ def _skidding_slips(slips: Array, torques: Array) -> Array:
         is_maximum = (here > 0.0) & (here >= torques[:, : k + 1].max(axis=1)) & (after > 0)
         falls = is_maximum & (lowest < (1.0 - SEARCH.min_fall) * here)
         slip_after = np.append(slips[k + 1 :], np.inf)[after]
-        onset[falls & (slip_after >= SKIDDING_RATIO * slips[k])] = slips[k]
+        onset[falls & (slip_after >= SKIDDING_SLIP)] = slips[k]
     return onset
 
 

@@ -125,9 +125,6 @@ _DEFAULT_SAMPLES = 128
 #: Default maximum number of samples. Twice as many double the time where points fail, so that intervals stay open.
 #: Chosen: three times the 336 samples that a 1 % quantile needs.
 _MAX_DEFAULT_SAMPLES = 1024
-#: Default number of samples of which most are found by torques at a few slips. Twice as many take 2.4 times as long for
-#: gearbox. Chosen: as many as `_DEFAULT_SAMPLES`, which take 1.6 times as long if all are computed as a whole.
-_DEFAULT_EMULATED: Final = 128
 #: Time [s] beyond which no batch is to end that the number of samples by default begins. Chosen: a user waits as long.
 _MAX_SECONDS = 600.0
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
@@ -345,7 +342,9 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         "time_limit": requested.time_limit,
     }
     friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
-    is_plain = requested.plain or requested.until is not None or not is_worthwhile(samples)
+    is_plain = (
+        requested.plain or requested.until is not None or not is_worthwhile(requested.samples)
+    )
     whole = friction if is_plain else {**friction, "output": (*_OUTPUTS[:-2], *TORQUES)}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **whole)
     _check_design(critical, requested.indices)
@@ -378,10 +377,8 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
 def _sample_counts(requested: "UncertaintySettings") -> tuple[int, int]:
     """Number of all samples, and of those of the minimum load, by default where they are not given."""
     samples = requested.samples
-    if samples is None and requested.until is not None:
-        samples = _MAX_SAMPLES
-    elif samples is None:
-        samples = _MAX_DEFAULT_SAMPLES if requested.plain else _DEFAULT_EMULATED
+    if samples is None:
+        samples = _MAX_DEFAULT_SAMPLES if requested.until is None else _MAX_SAMPLES
     if (loads := requested.loads) is None:
         study = requested.base_scene.study.get(SteadySlip.name)
         loads = min(_DEFAULT_LOADS, samples) if study and "acceptable_slip" in study else 0
@@ -495,7 +492,6 @@ def run_margin(
             len(plan.critical.design.samples),
             partial(compute_samples, "critical"),
             compute_torques,
-            _MAX_SECONDS if plan.by_default else math.inf,
         )
     if emulated is None:
         batches, stop = _compute_batches(plan, compute_samples, print_line)
