@@ -421,7 +421,7 @@ cdef class Carried:
         Raceways of ``raceway.pyx``.
     drags : sequence of capsules
     cage : mapping
-        half_clearance, stiffness, damping, friction, film (13.33 eta l r^1.5, 0 for none), roughness.
+        The members of `rs_pocket` (bearing.h).
     scale : array_like
         Typical magnitudes of the unknowns.
     critical_slip, film_limit : float
@@ -444,16 +444,19 @@ cdef class Carried:
     ):
         cdef carried_t *p = &self.p
         cdef size_t Z = bearing["rollers"], n
-        cdef rs_pocket *c = &p.c.pocket
         p.c.pocketed, p.c.rollers, p.c.block = pocket, Z, BLOCK if pocket else 1
-        p.c.direction, p.c.epicyclic_speed = bearing["direction"], bearing["epicyclic_speed"]
-        p.c.inner_radius, p.c.outer_radius = bearing["inner_radius"], bearing["outer_radius"]
-        p.c.roller_radius, p.c.orbit_radius = bearing["radius"], bearing["orbit"]
-        p.c.inner_speed, p.c.outer_speed = bearing["inner_speed"], bearing["outer_speed"]
-        p.c.roller_mass, p.c.roller_inertia = bearing["mass"], bearing["spin_inertia"]
+        p.c.direction = bearing["direction"]
+        p.c.epicyclic_speed = bearing["epicyclic_speed"]
+        p.c.inner_radius = bearing["inner_radius"]
+        p.c.outer_radius = bearing["outer_radius"]
+        p.c.roller_radius = bearing["radius"]
+        p.c.orbit_radius = bearing["orbit"]
+        p.c.inner_speed = bearing["inner_speed"]
+        p.c.outer_speed = bearing["outer_speed"]
+        p.c.roller_mass = bearing["mass"]
+        p.c.roller_inertia = bearing["spin_inertia"]
         p.c.cage_inertia = bearing["cage_inertia"]
-        c.half_clearance, c.stiffness, c.damping = cage["half_clearance"], cage["stiffness"], cage["damping"]
-        c.friction, c.film, c.roughness = cage["friction"], cage["film"], cage["roughness"]
+        p.c.pocket = cage
         p.top, wide, self.cell = loads
         cells = np.zeros(MAX_CELLS * sizeof(cell_t), dtype=np.uint8)
         p.owner, p.cells, p.n_cells = <void *>self, <cell_t *><size_t>cells.ctypes.data, 0

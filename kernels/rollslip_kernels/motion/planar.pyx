@@ -143,26 +143,14 @@ LEDGER_UNITS: Mapping[str, str] = {
     "impulse_rings": "N m s", "impulse_load": "N m s", "impulse_gravity": "N m s", "impulse_drag": "N m s",
 }
 
-#: What `Planar` takes as plain numbers: lengths [m], speeds [rad/s], masses [kg], inertias [kg m2], unbalance [kg m],
-#: damping [s/m], load [N], stiffnesses [N/m], gravity [m/s2], direction +1 or -1 of the speeds, friction [1]; films in
-#: the units of rs_pocket (bearing.h) and rs_land (rollslip_land.pxd).
-NUMBERS: tuple[str, ...] = (
-    "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "inner_speed",
-    "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
-    "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance",
-    "pocket_radial_half_clearance", "pocket_stiffness", "pocket_damping", "pocket_friction", "pocket_film",
-    "pocket_roughness", "land_radius", "land_clearance", "land_film", "land_shear", "land_floor", "land_stiffness",
-    "land_damping", "land_friction",
-)
-
 ctypedef struct planar_t:
     rs_bearing c                   # what all levels share: numbers, pocket, drags, columns over the rollers (bearing.h)
     const rs_plane_loops *loops    # over the rollers, for the instruction set at hand (planar_loops.h)
     size_t head_size               # unknowns before the rollers
     double *shape_forces           # generalised forces of the rollers on all shapes [N]
-    double ring_mass
-    double cage_mass
-    double unbalance
+    double ring_mass               # m_i [kg]
+    double cage_mass               # m_c [kg]
+    double unbalance               # U of the cage [kg m]
     rs_pocket guide                # the pocket along the radius; its play is infinite where a land holds the cage
     rs_land land
     const double *drop             # profile at the slices of a roller
@@ -817,14 +805,18 @@ cdef class Planar:
         Cage slip and smallest film parameter whose passing is an event; NaN for none.
     rollers : int
         Number Z of rollers.
-    guidance : int
-        What guides the cage, ROLLERS, INNER_LAND or the land of the outer ring, in the order of rollslip_land.pxd.
     scale : array_like
         Typical magnitudes of the unknowns.
     each : bool
         Behind the ledger go work [J] and then distance [m] that each roller slid on inner and outer ring, (Z, 2, 2).
-    **numbers
-        The rest, by the names of `NUMBERS`.
+    inner_radius to epicyclic_speed : float
+        Members of `rs_bearing` (bearing.h) and `planar_t` of these names, with units there.
+    radial_play : float
+        Half the clearance of a pocket along the radius [m]; infinite where a land guides the cage.
+    pocket : mapping
+        The members of `rs_pocket` (bearing.h).
+    land : mapping
+        The members of `rs_land` (rollslip_land.pxd).
     """
 
     cdef planar_t p
@@ -837,31 +829,47 @@ cdef class Planar:
 
     def __init__(
         self, raceways: Sequence[object], deflections: Sequence[Chain], contacts: Sequence[Slices], drop: ArrayLike,
-        widths: ArrayLike, drags: Sequence[object], Py_ssize_t rollers, int guidance, scale: ArrayLike,
+        widths: ArrayLike, drags: Sequence[object], Py_ssize_t rollers, scale: ArrayLike, *, double inner_radius,
+        double outer_radius, double roller_radius, double orbit_radius, double half_clearance, double inner_speed,
+        double outer_speed, double load, double roller_mass, double roller_inertia, double ring_mass, double cage_mass,
+        double cage_inertia, double unbalance, double gravity_x, double gravity_y, double damping, double direction,
+        double epicyclic_speed, double radial_play, pocket: Mapping[str, float], land: Mapping[str, float],
         forces: Sequence[tuple[float, ArrayLike]] | None = None,
         resistances: Sequence[tuple[float, ArrayLike]] | None = None,
         rings: Sequence[tuple[Sequence[ArrayLike], ArrayLike | None, bool]] | None = None,
-        double critical_slip=NAN, double film_limit=NAN, bint each=False, **numbers: float,
+        double critical_slip=NAN, double film_limit=NAN, bint each=False,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
         cdef double[::1] nodes
-        if numbers.keys() != set(NUMBERS):
-            raise TypeError(f"planar motion needs the numbers {', '.join(NUMBERS)}; given {', '.join(numbers)}")
         if any(len(slices) != Z * n for slices in contacts):
             raise ValueError(f"tables must have room for {n} slices of {Z} rollers")
-        p.c.rollers, p.c.slices, p.land.guidance = Z, n, guidance
+        p.c.rollers, p.c.slices = Z, n
         p.loops = rs_plane_loops_of(active() != "baseline")
         p.c.block, p.c.pitch, p.c.deepest = BLOCK, 2.0 * M_PI / Z, 0
         rs_set_common(&p.c, raceways, drags, critical_slip, film_limit, each)
-        (p.c.inner_radius, p.c.outer_radius, p.c.roller_radius, p.c.orbit_radius, p.c.half_clearance,
-         p.c.inner_speed, p.c.outer_speed, p.c.roller_mass, p.c.roller_inertia, p.ring_mass, p.cage_mass,
-         p.c.cage_inertia, p.unbalance, p.c.gravity_x, p.c.gravity_y, p.c.damping, p.c.load, p.c.direction,
-         p.c.epicyclic_speed, p.c.pocket.half_clearance, p.guide.half_clearance, p.c.pocket.stiffness,
-         p.c.pocket.damping, p.c.pocket.friction, p.c.pocket.film, p.c.pocket.roughness, p.land.radius,
-         p.land.clearance, p.land.film, p.land.shear, p.land.floor, p.land.stiffness, p.land.damping,
-         p.land.friction) = (
-            float(numbers[name]) for name in NUMBERS)
+        p.c.inner_radius = inner_radius
+        p.c.outer_radius = outer_radius
+        p.c.roller_radius = roller_radius
+        p.c.orbit_radius = orbit_radius
+        p.c.half_clearance = half_clearance
+        p.c.inner_speed = inner_speed
+        p.c.outer_speed = outer_speed
+        p.c.load = load
+        p.c.roller_mass = roller_mass
+        p.c.roller_inertia = roller_inertia
+        p.ring_mass = ring_mass
+        p.cage_mass = cage_mass
+        p.c.cage_inertia = cage_inertia
+        p.unbalance = unbalance
+        p.c.gravity_x = gravity_x
+        p.c.gravity_y = gravity_y
+        p.c.damping = damping
+        p.c.direction = direction
+        p.c.epicyclic_speed = epicyclic_speed
+        p.c.pocket = pocket
+        p.guide.half_clearance = radial_play
+        p.land = land
         p.guide.stiffness, p.guide.damping = p.c.pocket.stiffness, p.c.pocket.damping
         self.drop = np.array(drop, dtype=float)
         self.widths = np.array(widths, dtype=float)
@@ -1033,12 +1041,8 @@ def land(
     The power stored is positive where the metal is pressed; ``stored`` of the ledger is the work of the forces, its
     negative.
 
-    ``numbers`` are those of `NUMBERS` that begin with land, without it.
+    ``numbers`` are the members of `rs_land` (rollslip_land.pxd) except the guidance.
     """
-    cdef rs_land l
-    l.guidance = INNER_LAND
-    l.radius, l.clearance, l.film, l.shear = numbers["radius"], numbers["clearance"], numbers["film"], numbers["shear"]
-    l.floor, l.stiffness, l.damping, l.friction = (
-        numbers["floor"], numbers["stiffness"], numbers["damping"], numbers["friction"])
+    cdef rs_land l = {"guidance": INNER_LAND, **numbers}
     cdef rs_land_forces f = rs_land_force(&l, x, y, vx, vy, journal_speed, bush_speed, ALL_OF_LAND)
     return f.x, f.y, f.journal, f.bush, -f.stored, f.lost

@@ -285,14 +285,14 @@ def march(
     Means are NaN where it leaves the tables.  Those of a motion that does not repeat are over the second half of the
     turns, which leaves out how the motion began.
 
-    ``bearing`` has the values that `geometry_t` names.  ``inner`` and ``outer`` are conventional raceways
+    ``bearing`` has the members of `geometry_t` except the play.  ``inner`` and ``outer`` are conventional raceways
     with a table (``raceway.pyx``).  ``forces`` are those of both rings at each of the speeds, at equal steps of the
     angle over the orbit, both ends included, (n, 2, m + 1).  ``play`` is the full play c [m]; a turn of the cage takes
     ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
     the next, or after ``max_turns``.  Into ``record``, (steps, 3), the last turn
     at the last of the speeds is written, as it is `RECORDED`.  Torques have the sign of the speeds.
     """
-    cdef geometry_t g
+    cdef geometry_t g = {**bearing, "half_play": 0.5 * play}
     cdef loads_t loads
     cdef rs_raceway[N_RINGS] raceways
     cdef Py_ssize_t n, ring
@@ -302,16 +302,6 @@ def march(
         raise ValueError(f"{max_turns} turns of {steps} steps: there must be at least one of each")
     if record is not None and (record.shape[0] != steps or record.shape[1] != N_RECORDED):
         raise ValueError(f"a record of {steps} steps is of shape ({steps}, {N_RECORDED})")
-    g.inner_radius = bearing["inner_radius"]
-    g.outer_radius = bearing["outer_radius"]
-    g.roller_radius = bearing["roller_radius"]
-    g.orbit_radius = bearing["orbit_radius"]
-    g.inner_speed = bearing["inner_speed"]
-    g.outer_speed = bearing["outer_speed"]
-    g.spin_inertia = bearing["spin_inertia"]
-    g.orbital_inertia = bearing["orbital_inertia"]
-    g.pocket_friction = bearing["pocket_friction"]
-    g.half_play = 0.5 * play
     for ring, raceway in enumerate((inner, outer)):
         raceways[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY))[0]
         raceways[ring].rollers = 1

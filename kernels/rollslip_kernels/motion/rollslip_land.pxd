@@ -24,12 +24,15 @@ cdef extern from *:
     const double RS_SLOW
 
 ctypedef struct rs_land:
-    int guidance
-    double radius, clearance
+    int guidance         # ROLLERS, INNER_LAND or OUTER_LAND
+    double radius        # R [m]
+    double clearance     # c of a centred cage [m]
     double film          # R eta L^3/c^3 [N s/m]
     double shear         # 2 pi eta L R^3/c [N m s]
-    double floor         # least gap of the film over the clearance
-    double stiffness, damping, friction
+    double floor         # least gap of the film over the clearance [1]
+    double stiffness     # of the metal [N/m]
+    double damping       # of the force of the metal, over the speed of approach [s/m]
+    double friction      # coefficient of the metal [1]
 
 
 cdef inline double rs_floored(double gap, double floor) noexcept nogil:

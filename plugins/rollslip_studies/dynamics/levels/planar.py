@@ -391,7 +391,6 @@ def planar_motion(
         a.widths,
         _drag_capsules(cage),
         b.rollers,
-        _GUIDANCES.index(cage.guidance),
         np.append(_scale(fully_loaded, cage, bent), uncontrolled_scale(a, per_roller)),
         each=per_roller,
         forces=[(table.deepest, table.coefficients) for table in forces],
@@ -418,11 +417,11 @@ def planar_motion(
         load=o.radial_load,
         direction=direction,
         epicyclic_speed=k.epicyclic_cage_speed,
-        pocket_radial_half_clearance=math.inf
+        radial_play=math.inf
         if cage.pocket_radial_clearance is None
         else cage.pocket_radial_clearance / 2,
-        **{f"pocket_{name}": value for name, value in pocket_contact(a).items()},
-        **_land(a, settings),
+        pocket=pocket_contact(a),
+        land=_land(a, settings),
     )
     return PlanarMotion(
         assembly=a,
@@ -471,14 +470,15 @@ def _land(a: Assembly, settings: PlanarSettings) -> dict[str, float]:
     width = cage.land_width or 1.0
     clearance = cage.land_clearance or 1.0
     return {
-        "land_radius": radius,
-        "land_clearance": clearance,
-        "land_film": radius * oil * (width / clearance) ** 3,
-        "land_shear": 2 * math.pi * oil * width * radius**3 / clearance,
-        "land_floor": min(a.inner.conditions.roughness / clearance, 0.5),
-        "land_stiffness": settings.land_stiffness,
-        "land_damping": settings.land_damping,
-        "land_friction": settings.land_friction,
+        "guidance": _GUIDANCES.index(cage.guidance),
+        "radius": radius,
+        "clearance": clearance,
+        "film": radius * oil * (width / clearance) ** 3,
+        "shear": 2 * math.pi * oil * width * radius**3 / clearance,
+        "floor": min(a.inner.conditions.roughness / clearance, 0.5),
+        "stiffness": settings.land_stiffness,
+        "damping": settings.land_damping,
+        "friction": settings.land_friction,
     }
 
 
