@@ -17,7 +17,7 @@ from rollslip_studies.dynamics.levels.planar import PlanarSettings, planar_motio
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
-from rollslip_studies.motion.spins import solve_orbits
+from rollslip_studies.motion.orbit_loads import solve_orbits
 from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.motion.train import Train
 from rollslip_studies.steady_slip.minimum_load import rollers_weight

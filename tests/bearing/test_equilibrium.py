@@ -18,7 +18,7 @@ from rollslip.models import SliceModel
 from rollslip.profile import profile_drop, slice_positions
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.contact import Lundberg, Palmgren
-from rollslip_studies.motion.spins import over_pitch, solve_orbits
+from rollslip_studies.motion.orbit_loads import over_pitch, solve_orbits
 
 #: Length of a roller of the paper's bearing [m].
 LENGTH = 0.015

@@ -25,7 +25,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 import loading_branch_scenes as scenes
 from rollslip.bearing.equilibrium import angular_positions
 from rollslip_kernels.slices import Slices
-from rollslip_studies.motion.spins import MIN_FILM_SPEED, logit_slip, orbit_loads, slip_from_logit
+from rollslip_studies.motion.orbit_loads import orbit_loads
+from rollslip_studies.motion.spins import MIN_FILM_SPEED, logit_slip, slip_from_logit
 
 TABLE = Path(__file__).with_name("loading_branch_in_time.csv")
 RANGE = 0.95

@@ -45,7 +45,7 @@ from rollslip_studies.effective_friction.raceways import (
     regime_variables,
 )
 from rollslip_studies.motion.loading_branch import branch_slips
-from rollslip_studies.motion.spins import check_repeats
+from rollslip_studies.motion.orbit_loads import check_repeats
 from rollslip_studies.motion.torque_balance import (
     SkiddingOnset,
     TorqueBalance,

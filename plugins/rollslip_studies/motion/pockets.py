@@ -33,7 +33,7 @@ from rollslip.results.text import SMALLEST_SLIP, SWITCHED_OFF, Status
 from rollslip.search import illinois_root
 from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
-from rollslip_studies.motion.spins import orbit_loads
+from rollslip_studies.motion.orbit_loads import orbit_loads
 from rollslip_studies.motion.torque_balance import SLIP_FLOOR, TorqueBalance
 
 # Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.

@@ -31,7 +31,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.studies.answers import Output, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip_studies.motion.spins import orbit_loads
+from rollslip_studies.motion.orbit_loads import orbit_loads
 
 __all__ = [
     "MAX_SLIDE_ROLL",

@@ -34,7 +34,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
-from rollslip_studies.motion.spins import check_repeats
+from rollslip_studies.motion.orbit_loads import check_repeats
 
 #: Number of positions within a pitch at first. Doubling it saves the first comparison of most maps, and makes maps of
 #: loose tolerances larger. Chosen.
