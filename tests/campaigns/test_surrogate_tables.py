@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
 import rollslip
@@ -20,7 +21,7 @@ from rollslip.scene.formats import format_of
 from rollslip_campaigns.surrogate import SurrogateSettings
 from rollslip_campaigns.surrogate import drags as surrogate_drags
 from rollslip_campaigns.surrogate import surrogate as made_by
-from rollslip_campaigns.surrogate.drags import OPERATION_KEYS, tabulate_drags
+from rollslip_campaigns.surrogate.drags import OPERATION_KEYS, drag_errors, tabulate_drags
 from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 
@@ -196,12 +197,17 @@ def test_drags_are_told_apart_by_what_they_go_with():
     drag = [{"model": "constant-torque", "size": "0.2 N m"}]
     scene = rollslip.evolve(rollslip.load_scene("gearbox"), {"cage.drag": drag}, si=True)
     ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-    found, top, off = tabulate_drags(scene, np.array([350.0]), ranges, np.geomspace(1.0, 10.0, 5))
+    at = np.array([350.0])
+    tables = tabulate_drags(scene, at, ranges, np.geomspace(1.0, 10.0, 5))
+    found = tables.terms
     assert [found["inner"][0], found["outer"][0], *found["cage"][0]] == pytest.approx(
         [0.0] * 7, abs=1e-6
     )
-    assert off < 3e-3  # it jumps at rest
-    assert (top, found["rest"][0, -1]) == (pytest.approx(100.0), pytest.approx(-0.2, rel=1e-3))
+    assert drag_errors(scene, at, tables)[0] < 3e-3  # it jumps at rest
+    assert (tables.cage_top, found["rest"][0, -1]) == (
+        pytest.approx(100.0),
+        pytest.approx(-0.2, rel=1e-3),
+    )
 
 
 def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
@@ -214,8 +220,10 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
         monkeypatch.setattr(surrogate_drags, "assemble", lambda _: made())
         monkeypatch.setattr(surrogate_drags, "at_rolling_speed", lambda _, u: made(2.0 * u))
         ranges = dict.fromkeys(("operation.inner_speed", "operation.outer_speed"), (0.0, 100.0))
-        found, _, off = tabulate_drags(rollslip.load_scene("gearbox"), np.array([350.0]), ranges, u)
-        return found, off
+        scene = rollslip.load_scene("gearbox")
+        at = np.array([350.0])
+        tables = tabulate_drags(scene, at, ranges, u)
+        return tables.terms, drag_errors(scene, at, tables)[0]
 
     u = np.geomspace(10.0, 50.0, 9)
     found, off = drags(
@@ -226,6 +234,48 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
     assert np.abs(found["rest"]).max() < 1e-8
     assert off < 1e-8
     assert drags(lambda w, wi, wo, n: 1e-3 * w * wi)[1] > 0.1
+
+
+def test_temperatures_are_refined_until_the_drags_between_them_are_within_the_error(monkeypatch):
+    rate = 0.1  # 1/K
+
+    def bearing(scene):
+        T = scene.operation.temperature
+        torque = lambda w, wi, wo: exponential(T) * (wi - w)  # noqa: E731
+        radii = SimpleNamespace(inner_radius=1.0, outer_radius=1.0)
+        return SimpleNamespace(
+            kinematics=radii, cage=SimpleNamespace(drags=SimpleNamespace(torque=torque))
+        )
+
+    exponential = lambda T: math.exp(-rate * (T - 330.0))  # noqa: E731
+    monkeypatch.setattr(surrogate_drags, "assemble", bearing)
+    monkeypatch.setattr(surrogate_drags, "at_rolling_speed", lambda bearing, u: bearing)
+    ranges = dict.fromkeys(OPERATION_KEYS, (1.0, 100.0)) | {OPERATION_KEYS[0]: (330.0, 370.0)}
+    scene = rollslip.load_scene("gearbox")
+    plan = SimpleNamespace(
+        ranges=ranges,
+        rolling=np.geomspace(10.0, 50.0, 4),
+        sweep=SimpleNamespace(scene=scene),
+    )
+
+    def error(count):
+        """Of the polynomial through the four nearest of so many nodes, half-way between nodes."""
+        nodes = np.linspace(330.0, 370.0, count)
+        between = 0.5 * (nodes[1:] + nodes[:-1])
+        first = np.clip(np.arange(count - 1) - 1, 0, count - 4)
+        by = [
+            BarycentricInterpolator(nodes[k : k + 4], [*map(exponential, nodes[k : k + 4])])(T)
+            for k, T in zip(first, between, strict=True)
+        ]
+        return np.max(np.abs(np.array(by) / [*map(exponential, between)] - 1.0))
+
+    nodes = SimpleNamespace(
+        plan=plan, tables=lambda T, W: dict.fromkeys(made_by._TABLE_AXES, np.ones((len(T), len(W))))
+    )
+    # errors of torques are at most those of the coefficient, since leads are at most the largest speed
+    for level, nodes_of_level in enumerate((7, 13), start=1):
+        allowed = math.sqrt(error(nodes_of_level) * error((nodes_of_level + 1) // 2))
+        assert made_by._refine_rows(nodes, [0, 0], allowed) == [level, 0]
 
 
 DRIVER = r"""

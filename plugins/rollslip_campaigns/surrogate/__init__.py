@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import ProgressReporter
-    from rollslip_campaigns.surrogate.surrogate import SurrogatePlan
+    from rollslip_campaigns.surrogate.plan import SurrogatePlan
 
 
 @attrs.frozen(eq=False)
@@ -77,7 +77,7 @@ class SurrogateSettings(OfPoints):
 
     def plan(self) -> "SurrogatePlan":
         """Return the points to be computed, after a check of ranges and drags."""
-        from rollslip_campaigns.surrogate.surrogate import plan_surrogate
+        from rollslip_campaigns.surrogate.plan import plan_surrogate
 
         return plan_surrogate(self)
 

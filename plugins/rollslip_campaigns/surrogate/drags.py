@@ -15,10 +15,17 @@ from rollslip.bearing.assembly import assemble
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, weights
+from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, drag_torque
 from rollslip_studies.raceway_friction.study import at_rolling_speed
 
-__all__ = ["CAGE_NODES", "OPERATION_KEYS", "DragTerms", "tabulate_drags"]
+__all__ = [
+    "CAGE_NODES",
+    "OPERATION_KEYS",
+    "DragTables",
+    "DragTerms",
+    "drag_errors",
+    "tabulate_drags",
+]
 
 #: Nodes over cage speed of the remainder of the drags, uniform in asinh(speed/CAGE_SMALL). Doubling it halves their
 #: distance and the error of drags that change abruptly, such as a constant torque at rest; one row a temperature.
@@ -70,33 +77,39 @@ class DragTerms:
         )
 
 
+@attrs.frozen(eq=False)
+class DragTables:
+    """Tables of the drags of a cage over temperature and speeds."""
+
+    temperature: Axis
+    rolling: Axis
+    #: inner, outer [N m s] over temperature; cage [N m s2] over rolling speed too; rest [N m] over temperature and
+    #: cage speed.
+    terms: Mapping[str, Array]
+    cage_top: float  # last cage speed of the remainder [rad/s]
+
+
 def tabulate_drags(
     scene: "Scene", temperatures: Array, ranges: Mapping[str, tuple[float, float]], rolling: Array
-) -> tuple[dict[str, Array], float, float]:
-    """Return tables of the drags of the cage, their largest cage speed [rad/s], and their largest relative error.
+) -> DragTables:
+    """Return tables of the drags of the cage over temperature [K] and rolling speed [m/s].
 
     The torque is a sum of coefficients times the leads of the inner and outer ring, a coefficient times the square of
     the cage speed, which also depends on the rolling speed, and a remainder over the cage speed; all over temperature.
-    The error is that at random cage speeds between those of the rings, relative to all drags there or at the largest
-    speeds.
     """
-    rng = np.random.default_rng(1)
     top = max(abs(speed) for key in OPERATION_KEYS[2:] for speed in ranges[key])
     step = math.asinh(top / CAGE_SMALL) / (CAGE_NODES - 1)
     cages = CAGE_SMALL * np.sinh(step * np.arange(CAGE_NODES))
     tables: dict[str, list[Any]] = {name: [] for name in ("inner", "outer", "cage", "rest")}
-    axis = Axis(rolling, True)
-    worst = 0.0
     for temperature in temperatures.tolist():
         bearing = assemble(evolve(scene, {OPERATION_KEYS[0]: temperature}, si=True))
         terms = DragTerms(bearing.cage.drags, top)
-        k = bearing.kinematics
         inner = terms.lead_coefficient(1)
         outer = terms.lead_coefficient(2)
         leads = inner + outer
-        size = abs(terms.remainder(top, leads)) + (abs(inner) + abs(outer)) * top
         square = terms.square_coefficient(leads)
-        if not abs(square) * top**2 > _DRAG_ROUNDING * size:
+        rounding = _DRAG_ROUNDING * abs(terms.drags.torque(top, 0.0, 0.0))
+        if not abs(square) * top**2 > rounding:
             square = 0.0
         squares = np.array(
             [
@@ -105,21 +118,49 @@ def tabulate_drags(
             ]
         )
         rest = np.array([terms.remainder(w, leads) + square * w * w for w in cages.tolist()])
-        rest[np.abs(rest) <= _DRAG_ROUNDING * size] = 0.0
+        rest[np.abs(rest) <= rounding] = 0.0
         for name, value in (("inner", inner), ("outer", outer), ("cage", squares), ("rest", rest)):
             tables[name].append(value)
-        for _ in range(_DRAG_CHECKS):
-            wo = rng.uniform(-top, top)
-            u = float(np.exp(rng.uniform(*np.log(rolling[[0, -1]]))))
-            wi = wo + u * (1.0 / k.inner_radius + 1.0 / k.outer_radius)
-            w = float(rng.uniform(wo, wi))
-            reference = at_rolling_speed(bearing, u).cage.drags.torque(w, wi, wo)
-            by_cage = weights(CAGE_NODES, np.array([math.asinh(abs(w) / CAGE_SMALL) / step]))
-            torque = (
-                inner * (wi - w)
-                + outer * (wo - w)
-                - float((axis.weights(u) @ squares)[0]) * abs(w) * w
-                + math.copysign(1.0, w) * float((by_cage @ rest)[0])
-            )
-            worst = max(worst, abs(torque - reference) / max(size, abs(reference), 1e-300))
-    return {name: np.array(values) for name, values in tables.items()}, float(cages[-1]), worst
+    return DragTables(
+        Axis(temperatures, False),
+        Axis(rolling, True),
+        {name: np.array(values) for name, values in tables.items()},
+        float(cages[-1]),
+    )
+
+
+def drag_errors(scene: "Scene", temperatures: Array, tables: DragTables) -> Array:
+    """Return the largest relative error of the drags of tables at each temperature [K], (n,).
+
+    It is that at random cage speeds between those of the rings, relative to all drags there or
+    beside rings at rest at the largest speed.
+    """
+    rng = np.random.default_rng(1)
+    top = tables.cage_top
+    log_ends = np.log(tables.rolling.nodes[[0, -1]])
+    errors = np.zeros(temperatures.size)
+    for k, temperature in enumerate(temperatures.tolist()):
+        bearing = assemble(evolve(scene, {OPERATION_KEYS[0]: temperature}, si=True))
+        radii = bearing.kinematics
+        of_outer, of_rolling, of_cage = rng.random((_DRAG_CHECKS, 3)).T
+        outer = top * (2.0 * of_outer - 1.0)
+        u = np.exp(log_ends[0] + of_rolling * (log_ends[1] - log_ends[0]))
+        inner = outer + u * (1.0 / radii.inner_radius + 1.0 / radii.outer_radius)
+        cage = outer + of_cage * (inner - outer)
+        reference = np.array(
+            [
+                at_rolling_speed(bearing, rolling).cage.drags.torque(*speeds)
+                for rolling, *speeds in zip(
+                    *map(np.ndarray.tolist, (u, cage, inner, outer)), strict=True
+                )
+            ]
+        )
+        by_temperature = tables.temperature.weights(temperature)[0]
+        terms = {
+            name: np.tensordot(by_temperature, table, axes=1)
+            for name, table in tables.terms.items()
+        }
+        torque = drag_torque(terms, tables.rolling.weights(u), top, cage, inner, outer)
+        scale = np.maximum(np.abs(reference), abs(bearing.cage.drags.torque(top, 0.0, 0.0)))
+        errors[k] = np.max(np.abs(torque - reference) / np.maximum(scale, 1e-300))
+    return errors

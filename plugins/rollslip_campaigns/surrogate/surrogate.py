@@ -1,19 +1,20 @@
 """Tabulate a bearing over temperature, load and speeds until random operations are within a tolerance.
 
-Tables are interpolated by tensor products of cubic Lagrange polynomials over uniform nodes (module tables). The nodes
-are refined axis by axis, and the error is measured at independent random operations:
+Method: tensor products of cubic Lagrange polynomials over uniform nodes (module tables), refined axis by axis by the
+error half-way between nodes, and hold-out validation at random operations.
 
 1. A point is study raceway-friction at one temperature and load. It costs some hundredths of a second and has more
    nodes over speeds and slide-roll ratios than a table needs.
 2. Compute the random operations: temperatures and loads of a Latin hypercube, with all speeds and slide-roll ratios.
 3. Start with four nodes of temperature and four of load. Interpolate half-way between nodes of one axis, at both ends
-   and in the middle of the other axis, and compute points there.
+   and in the middle of the other axis, and compute points there; interpolate the drags of the cage half-way between
+   temperatures, too.
 4. If the difference exceeds a fraction of the tolerance, halve the distance of the nodes of this axis; repeat.
 5. Choose the coarsest nodes within a point (cage ratio, rolling speed, slide-roll ratio) whose interpolation on all
    nodes leaves less than the same fraction; refine rolling speeds also for the drags of the cage.
-6. Interpolate the resulting tables at the random operations. If the largest error exceeds the tolerance, halve the
-   fraction and go on at step 3; after four attempts fail.
-7. The error of the file is the largest error at the random operations.
+6. Interpolate the resulting tables at the random operations, and the drags at their temperatures and random speeds. If
+   the largest error exceeds the tolerance, halve the fraction and go on at step 3; after four attempts fail.
+7. The error of the file is the largest error at the random operations, of friction, resistance, force or drags.
 8. Add the steady states over temperature, load and shaft speed, and the stiffness at each.
 
 All points are in the journals of two sweeps, so that the same command continues after an interruption. The supply of
@@ -32,19 +33,21 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.assembly import assemble
 from rollslip.engine import cores
-from rollslip.errors import ConvergenceError, SceneError
+from rollslip.errors import ConvergenceError
 from rollslip.results.dataset import about, save, xr
 from rollslip.results.text import duration
-from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
-from rollslip.scene.values import Scene
+from rollslip.scene.changes import evolve
 from rollslip.search import Array
-from rollslip.structure import raise_problem_if, raise_problems
-from rollslip.studies.study import settings
-from rollslip.units import UnitError, check_typed, evenly, format_quantity, quantity
-from rollslip_campaigns.surrogate import SurrogateSettings
-from rollslip_campaigns.surrogate.drags import CAGE_NODES, OPERATION_KEYS, tabulate_drags
+from rollslip_campaigns.surrogate.drags import (
+    CAGE_NODES,
+    OPERATION_KEYS,
+    DragTables,
+    drag_errors,
+    tabulate_drags,
+)
+from rollslip_campaigns.surrogate.plan import ROW_NODES, UNITS, SurrogatePlan, drag_error, row_axes
 from rollslip_campaigns.surrogate.stiffness import stiffness
 from rollslip_campaigns.surrogate.tables import (
     CAGE_SMALL,
@@ -53,81 +56,38 @@ from rollslip_campaigns.surrogate.tables import (
     bearing_variables,
     weights,
 )
-from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.journal import FAILED, records
 from rollslip_campaigns.sweep.point import row_values
 from rollslip_campaigns.sweep.result import origin_of_points
-from rollslip_campaigns.sweep.run import Progress, requested_engine
-from rollslip_campaigns.sweep.sampling import read_fraction, read_overs
-from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_campaigns.sweep.run import Progress
 from rollslip_studies.raceway_friction.study import (
-    ROLLING_NODES,
     SLIDE_ROLL_SCALE,
     RacewayFriction,
 )
-from rollslip_studies.variation.quantities import quantities
 
-__all__ = ["RESULT", "SurrogatePlan", "plan_surrogate", "run_surrogate"]
+__all__ = ["RESULT", "run_surrogate"]
 
 #: File of the result in the folder of a surrogate.
 RESULT: Final = "surrogate.nc"
 
-#: Nodes of the finest rows of temperature and load, uniform in temperature and in the logarithm of load; three
-#: intervals of 16 and one. Doubling the intervals allows smaller tolerances and changes no coarser table.
-_ROW_NODES: Final = 49
-#: Distances of the nodes in these rows, coarse to fine. Each is half the previous one, so that points are reused;
-#: the first leaves four nodes, which a cubic needs.
+#: Distances of the nodes in the rows of temperature and load, coarse to fine. Each is half the previous one, so that
+#: points are reused; the first leaves four nodes, which a cubic needs.
 _ROW_STRIDES: Final = (16, 8, 4, 2, 1)
 #: The same for the nodes of a point: cage ratio, rolling speed, slide-roll ratio. Each number of intervals of
 #: raceway-friction (8, 48, 64) is a multiple of the largest stride. A larger stride makes smaller files.
 _POINT_STRIDES: Final = ((4, 2), (8, 4, 2), (4, 2))
-#: Fraction of the tolerance that one axis may use at first. A smaller one computes more points at once, a larger
-#: one fails at the random operations more often. Chosen: several axes seldom err most at the same operation.
-_FIRST_FRACTION: Final = 0.8
-#: Factor of the fraction after an attempt that fails at the random operations. Chosen; a smaller factor ends
-#: earlier, with finer tables than needed.
-_TIGHTENING: Final = 0.5
-#: Attempts before the tolerance counts as unattainable: fractions from 0.8 to 0.1 with the values above. Doubling
-#: it asks an axis for less than 1 % of the tolerance.
-_MAX_ATTEMPTS: Final = 4
+#: Fractions of the tolerance that one axis may use, attempt by attempt. Smaller ones compute more points at once,
+#: larger ones fail at the random operations more often. Chosen: several axes seldom err most at the same operation.
+_FRACTIONS: Final = (0.8, 0.4, 0.2, 0.1)
 
 #: Time for drags, steady states and stiffness after the nodes, over that of the nodes, in a limited time: 0.16 for
 #: gearbox on two processors. Half of it would make tables late by that.
 _TIME_AFTER: Final = 0.2
 
-#: Smallest and largest load over that of the scene, where no range is named. Wider ranges need more nodes; chosen.
-_LOAD_FACTORS: Final = (0.4, 2.5)
-#: The same for the speed of a ring: a run-up without its first part. Chosen.
-_SPEED_FACTORS: Final = (0.15, 1.2)
-#: Kelvins below and above the temperature of the scene, where no range is named. Chosen.
-_TEMPERATURE_CHANGE: Final = 20.0
-#: Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by at
-#: most (R_o - R_i)/(2 R_o), see study raceway-friction. Halving it stretches the logarithmic axis.
-_LOWER_FACTOR: Final = 0.7
-#: Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
-#: below it, because beyond the tables the last value is used. Doubling it stretches the logarithmic axis.
-_UPPER_FACTOR: Final = 1.6
-#: Smallest rolling speed over the largest one, also where rings reverse. Halving it stretches the logarithmic axis
-#: by 15 %, so that more nodes are needed.
-_MIN_FRACTION: Final = 0.01
-#: Speeds of each ring at which rolling speed and ratio are evaluated; both are extreme at the ends of ranges
-#: except where rings reverse. Doubling it changes nothing for rings that do not reverse.
-_RING_SPEEDS: Final = 9
-#: Smallest ratio over the largest one: without cage speed no centrifugal force acts, so that smaller ratios hardly
-#: change the contact forces. Halving it stretches the logarithmic axis. Chosen.
-_MIN_RATIO: Final = 0.05
-#: Largest ratio; it is unbounded where both rings turn alike and nothing rolls. Doubling it stretches the
-#: logarithmic axis of bearings with both rings in motion. Chosen.
-_MAX_RATIO: Final = 50.0
 #: Shaft speeds at which steady states and stiffness are tabulated. Doubling it doubles their time and rows in a CSV
 #: file, and changes no motion; chosen.
 _SHAFT_NODES = 9
-#: Relative error of drags above which they are not a sum of terms in ring leads and the square of the cage speed, but
-#: depend on speeds otherwise, so that no finer table helps. Halving it would blame the form where nodes are too coarse.
-_MAX_FORM_ERROR: Final = 0.1
-#: SI units of the quantities in `OPERATION_KEYS`, in their order.
-_UNITS: Final = ("K", "N", "rad/s", "rad/s")
 #: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio).
 _TABLE_AXES: Final = {
     "mean_friction": 3,
@@ -135,226 +95,6 @@ _TABLE_AXES: Final = {
     "ring_resistance": 2,
     "ring_force": 2,
 }
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class SurrogatePlan:
-    """Operations that a surrogate tabulates and checks.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene without tables of campaigns.
-    sweep : Sweep
-        All temperatures and loads that may be computed: the finest rows.
-    random : Sweep
-        Random temperatures and loads, for the measured error.
-    ranges : mapping
-        Lower and upper bound of each of the four quantities, in SI units.
-    error : float
-        Largest relative error that is allowed.
-    seconds : float or None
-        Time for the tables [s], which may then have a larger error; None for as long as the error takes.
-    """
-
-    scene: "Scene"
-    sweep: Sweep
-    random: Sweep
-    ranges: Mapping[str, tuple[float, float]]
-    error: float
-    seconds: float | None = None
-
-    @property
-    def unusual(self) -> tuple[str, ...]:
-        """Warnings about unusual values of the scene."""
-        return self.sweep.unusual
-
-    @property
-    def messages(self) -> list[str]:
-        """Lines that describe the ranges and the allowed error."""
-        return [
-            self.sweep.headline,
-            *(
-                f"  {key}: "
-                + " to ".join(dict.fromkeys(format_quantity(end, unit, 4) for end in ends))
-                for (key, ends), unit in zip(self.ranges.items(), _UNITS, strict=True)
-            ),
-            f"  until random operations are within {100 * self.error:.3g} %"
-            + (f", or {duration(self.seconds)} are over" if self.seconds else ""),
-        ]
-
-
-def _axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
-    """Return the finest rows of temperature and load; a row has one node where both bounds are the same."""
-    axes = {}
-    for key, name, logarithmic in zip(
-        OPERATION_KEYS, ("temperature", "radial_load"), (False, True), strict=False
-    ):
-        low, high = ranges[key]
-        space = np.geomspace if logarithmic else np.linspace
-        row = space(low, high, _ROW_NODES)
-        axes[name] = Axis(row if high > low else row[:1], logarithmic)
-    return axes
-
-
-def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
-    """Check the ranges, the error and the drags of the cage, and lay out the points."""
-    base = attrs.evolve(requested.base_scene, sweep=None, uncertainty=None)
-    assembly = assemble(base)
-    if (pocket := assembly.cage.drags.pocket_friction) is not None:
-        raise SceneError(
-            [
-                f"cage.drag: {pocket.name}: one mean roller has no force in its pocket, so that its friction there "
-                "cannot be tabulated; leave it out, or go through time at level pocket",
-            ]
-        )
-    ranges = _ranges(base, requested.over)
-    error = read_fraction(requested.error)
-    raise_problem_if(
-        not 1e-4 <= error <= 0.2,
-        f"error: a fraction from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}",
-    )
-    slow, fast, min_ratio, max_ratio = _speed_bounds(assembly, ranges)
-    study = f"study.{RacewayFriction.name}"
-    scene = evolve(
-        base,
-        {
-            f"{study}.slowest": slow,
-            f"{study}.fastest": fast,
-            f"{study}.smallest_ratio": min_ratio,
-            f"{study}.largest_ratio": max_ratio,
-        },
-        si=True,
-    )
-    # drags that the finest tables do not reproduce are refused
-    deviation = _drag_error(scene, ranges, np.geomspace(slow, fast, ROLLING_NODES))
-    names = f"cage.drag: {', '.join(model.name for model in assembly.cage.drags.torques)}: "
-    raise_problem_if(
-        deviation > _MAX_FORM_ERROR,
-        f"{names}their torque is not a sum of terms in the leads of the rings and in the speed of the cage, so "
-        "that it cannot be tabulated",
-    )
-    raise_problem_if(
-        deviation > error,
-        f"{names}their error between the speeds of the finest table is {100 * deviation:.2g} %; allow a larger "
-        "error, or narrow the ranges of speeds",
-    )
-    options = {
-        "study": RacewayFriction.name,
-        "output": list(RacewayFriction.outputs),
-        "engine": requested.engine,
-        "time_limit": requested.time_limit,
-    }
-    rows = dict[str, object]()
-    spans = dict[str, object]()
-    for key, axis in zip(OPERATION_KEYS, _axes(ranges).values(), strict=False):
-        rows[key] = axis.nodes.tolist()
-        if axis.nodes.size > 1:
-            low, high = ranges[key]
-            spans[key] = f"{low!r}:{high!r}{':log' if axis.logarithmic else ''}"
-    sweep = plan_sweep(scene, rows, **options)
-    requested_engine(sweep)
-    sampling = {"samples": requested.checks, "seed": 1, "sampling": "latin-hypercube"}
-    random = plan_sweep(
-        scene,
-        spans or {OPERATION_KEYS[1]: rows[OPERATION_KEYS[1]]},
-        **options | (sampling if spans else {}),
-    )
-    return SurrogatePlan(
-        scene=base,
-        sweep=attrs.evolve(sweep, given=requested.base_scene),
-        random=attrs.evolve(random, given=requested.base_scene),
-        ranges=ranges,
-        error=error,
-        seconds=None if requested.within is None else quantity(requested.within, "s"),
-    )
-
-
-def _ranges(scene: "Scene", over: object) -> dict[str, tuple[float, float]]:
-    """Return the bounds of all four quantities: those requested, or the default ones about the scene."""
-    known = quantities(assemble(scene), settings(scene, RacewayFriction.name))
-    operation = scene.operation
-    low_load, high_load = _LOAD_FACTORS
-    ranges = {
-        OPERATION_KEYS[0]: (
-            operation.temperature - _TEMPERATURE_CHANGE,
-            operation.temperature + _TEMPERATURE_CHANGE,
-        ),
-        OPERATION_KEYS[1]: (low_load * operation.radial_load, high_load * operation.radial_load),
-        OPERATION_KEYS[2]: _default_speeds(operation.inner_speed),
-        OPERATION_KEYS[3]: _default_speeds(operation.outer_speed),
-    }
-    problems = list[str]()
-    for key, text in read_overs(over or {}).items():
-        name = next(
-            (full for full in OPERATION_KEYS if key in (full, full.partition(".")[2])), None
-        )
-        if name is None:
-            choices = f"there are: {', '.join(OPERATION_KEYS)}"
-            problems.append(
-                f"{key}: {choices if key in known else describe_unknown_key(key, known)}"
-            )
-            continue
-        # a list of one value is a quantity that does not vary
-        if isinstance(text, list) and len(text) == 1:
-            text = text[0]
-        try:
-            ranges[name] = _read_range(name, text, known[name])
-        except (UnitError, ValueError) as error:
-            problems.append(f"{name}: {error}")
-    raise_problems(problems)
-    return ranges
-
-
-def _read_range(name: str, text: object, quantity: Quantity) -> tuple[float, float]:
-    """Return the bounds in a text "LOW:HIGH" with units, or of one value; raise where a bound is not allowed."""
-    unit = str(quantity.unit)
-    parts = [part.strip() for part in str(text).split(":")]
-    if len(parts) > 2:
-        raise ValueError(f"{text!r} is not a range; write LOW:HIGH, with units")
-    check_typed(str(text), parts, unit)
-    ends = evenly(parts[0], parts[-1], 2, unit)
-    low = float(ends[0])
-    high = float(ends[-1])
-    if low > high or (name == OPERATION_KEYS[1] and not low > 0.0):
-        raise ValueError(
-            f"{text!r}: the lower end must be {'above 0 and ' * (name == OPERATION_KEYS[1])}below the upper one"
-        )
-    for end in (low, high):
-        quantity.read(end)
-    return low, high
-
-
-def _default_speeds(speed: float) -> tuple[float, float]:
-    """Return the default bounds of a ring's speed, the lower one first also where it turns backwards."""
-    low, high = sorted(factor * speed for factor in _SPEED_FACTORS)
-    return low, high
-
-
-def _speed_bounds(
-    assembly: Assembly, ranges: Mapping[str, tuple[float, float]]
-) -> tuple[float, float, float, float]:
-    """Return the smallest and largest rolling speed u [m/s] of tables, and those of the ratio R_o w/u."""
-    Ri = assembly.kinematics.inner_radius
-    Ro = assembly.kinematics.outer_radius
-    inner, outer = np.meshgrid(
-        *(np.linspace(*ranges[key], _RING_SPEEDS) for key in OPERATION_KEYS[2:])
-    )
-    u = Ri * Ro / (Ri + Ro) * (inner - outer)
-    raise_problem_if(
-        not u.any(),
-        "operation.inner_speed: nothing rolls at any speed of the ranges; give other ranges",
-    )
-    fast = _UPPER_FACTOR * float(np.abs(u).max())
-    slow = _MIN_FRACTION * fast
-    if not u.min() < 0.0 < u.max():
-        slow = max(_LOWER_FACTOR * float(np.abs(u).min()), slow)
-    if not outer.any():
-        return slow, fast, 1.0, 1.0
-    rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
-    upper = min(float(rho.max()), _MAX_RATIO)
-    lower = max(float(rho.min()), _MIN_RATIO * upper)
-    return slow, fast, lower, upper if upper > lower else 2.0 * lower
 
 
 # Points ---------------------------------------------------------------------------------------------------------------
@@ -370,7 +110,7 @@ class _Nodes:
 
     def count(self, levels: Sequence[int]) -> int:
         """Return the number of nodes of temperature and load at levels of refinement."""
-        axes = _axes(self.plan.ranges).values()
+        axes = row_axes(self.plan.ranges).values()
         return math.prod(len(_row(axis, level)) for axis, level in zip(axes, levels, strict=True))
 
     def tables(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
@@ -505,7 +245,7 @@ def run_surrogate(
     reference = {
         name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLE_AXES
     }
-    axes = _axes(plan.ranges)
+    axes = row_axes(plan.ranges)
     operations = _random_operations(plan)
     seconds_each = (time.monotonic() - start) / design.size
     attempts = (
@@ -525,6 +265,15 @@ def run_surrogate(
             for name in _TABLE_AXES
         }
         errors = _max_errors(_interpolate_all_nodes(interpolated, strides), reference)
+        drags = tabulate_drags(
+            plan.sweep.scene,
+            axes["temperature"].nodes[rows[0]],
+            plan.ranges,
+            plan.rolling[:: strides[1]],
+        )
+        temperatures, inverse = np.unique(operations["temperature"], return_inverse=True)
+        of_drags = drag_errors(plan.sweep.scene, temperatures, drags)
+        errors = np.maximum(errors, of_drags[inverse])
         print_line(
             f"{len(rows[0])} temperatures and {len(rows[1])} loads: the error at random operations is "
             f"{100 * errors.max():.2g} % at most"
@@ -536,7 +285,7 @@ def run_surrogate(
             f"the error of the finest tables at random operations is {100 * errors.max():.2g} %, more than "
             f"{100 * plan.error:.3g} %; allow a larger --error, or narrow the ranges"
         )
-    dataset = _dataset(plan, axes, rows, strides, {**fine, **tables}, operations, errors)
+    dataset = _dataset(plan, rows, strides, {**fine, **tables}, drags, operations, errors)
     save(dataset, folder / RESULT)
     return dataset
 
@@ -556,10 +305,9 @@ def _random_operations(plan: SurrogatePlan) -> dict[str, Array]:
 def _choose_strides(plan: SurrogatePlan, fine: Mapping[str, Array], allowed: float) -> list[int]:
     """Return strides of the nodes of a point with which tables and drags are within an allowed error."""
     strides = _choose_point_strides(fine, allowed)
-    rolling = fine["rolling_speed"][0, 0]
     while (
         strides[1] > 1
-        and _drag_error(plan.sweep.scene, plan.ranges, rolling[:: strides[1]]) > allowed
+        and drag_error(plan.sweep.scene, plan.ranges, plan.rolling[:: strides[1]]) > allowed
     ):
         strides[1] //= 2
     return strides
@@ -578,12 +326,10 @@ def _describe_cost(nodes: _Nodes, checks: int, seconds: float) -> str:
 def _levels_by_error(nodes: _Nodes) -> Iterator[tuple[Sequence[int], float]]:
     """Yield levels of both rows and the error that each axis may have, ever finer."""
     levels = [0, 0]
-    fraction = _FIRST_FRACTION
-    for _ in range(_MAX_ATTEMPTS):
+    for fraction in _FRACTIONS:
         allowed = fraction * nodes.plan.error
         levels = _refine_rows(nodes, levels, allowed)
         yield levels, allowed
-        fraction *= _TIGHTENING
 
 
 def _levels_in_time(
@@ -606,12 +352,7 @@ def _levels_in_time(
         missing = nodes.count(levels) - len(nodes.results)
         if attempt and time.monotonic() + (1.0 + _TIME_AFTER) * missing * seconds > end:
             return
-        yield levels, _FIRST_FRACTION * nodes.plan.error
-
-
-def _drag_error(scene: "Scene", ranges: Mapping[str, tuple[float, float]], rolling: Array) -> float:
-    """Return the relative error of the drags, tabulated over some rolling speeds [m/s]."""
-    return tabulate_drags(scene, np.array(ranges[OPERATION_KEYS[0]]), ranges, rolling)[2]
+        yield levels, _FRACTIONS[0] * nodes.plan.error
 
 
 def _row(axis: Axis, level: int) -> list[int]:
@@ -624,8 +365,9 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
 
     Along the other row, the error is measured at both ends and in the middle.
     """
-    axes = [*_axes(nodes.plan.ranges).values()]
-    last = _ROW_NODES - 1
+    plan = nodes.plan
+    axes = [*row_axes(plan.ranges).values()]
+    last = ROW_NODES - 1
     levels = [*levels]
     for k in (0, 1):
         other = [0] if axes[1 - k].nodes.size == 1 else [0, last // 2, last]
@@ -642,7 +384,12 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
                 },
                 {name: np.moveaxis(reference[name], k, 0) for name in _TABLE_AXES},
             )
-            if errors.max() <= allowed:
+            error = errors.max()
+            if k == 0:
+                T = axes[0].nodes
+                drags = tabulate_drags(plan.sweep.scene, T[row], plan.ranges, plan.rolling)
+                error = max(error, drag_errors(plan.sweep.scene, T[midpoints], drags).max())
+            if error <= allowed:
                 break
             levels[k] += 1
     return levels
@@ -681,21 +428,21 @@ _DRAG_VARIABLES: Final = (
 
 def _dataset(
     plan: SurrogatePlan,
-    axes: Mapping[str, Axis],
     rows: Sequence[Sequence[int]],
     strides: Sequence[int],
     tables: Mapping[str, Array],
+    drags: DragTables,
     operations: Mapping[str, Array],
     errors: Array,
 ) -> "xr.Dataset":
     """Return the result: tables, numbers of the bearing, ranges, errors at random operations, and steady states."""
     scene = plan.sweep.scene
+    axes = row_axes(plan.ranges)
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
     nodes = {
         name: tables[name][0, 0][::stride]
         for name, stride in zip(("cage_ratio", "rolling_speed", "slide_roll"), strides, strict=True)
     }
-    drags, max_cage_speed, _ = tabulate_drags(scene, T, plan.ranges, nodes["rolling_speed"])
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_roll")
     outputs = RacewayFriction.outputs
     variables: dict[str, Any] = {
@@ -707,11 +454,11 @@ def _dataset(
         for name, count in _TABLE_AXES.items()
     }
     for name, unit, over, text in _DRAG_VARIABLES:
-        variables[f"drag_{name}"] = (over, drags[name], about(unit, text))
+        variables[f"drag_{name}"] = (over, drags.terms[name], about(unit, text))
     variables |= bearing_variables(scene)
     variables |= {
         f"{key.partition('.')[2]}_range": ("end", np.array(ends), about(unit, f"ends of {key}"))
-        for (key, ends), unit in zip(plan.ranges.items(), _UNITS, strict=True)
+        for (key, ends), unit in zip(plan.ranges.items(), UNITS, strict=True)
     }
     variables["operation_error"] = (
         "operation",
@@ -724,7 +471,7 @@ def _dataset(
             value,
             about(unit, f"{name.replace('_', ' ')} there"),
         )
-    step = math.asinh(max_cage_speed / CAGE_SMALL) / (CAGE_NODES - 1)
+    step = math.asinh(drags.cage_top / CAGE_SMALL) / (CAGE_NODES - 1)
     coords: dict[str, Any] = {
         name: (name, value, about(unit, name.replace("_", " ")))
         for name, value, unit in (

@@ -37,6 +37,7 @@ __all__ = [
     "SteadyState",
     "Tables",
     "bearing_variables",
+    "drag_torque",
     "weights",
 ]
 
@@ -230,6 +231,40 @@ class Tables:
         )
 
 
+def drag_torque(
+    terms: Mapping[str, Array],
+    by_speed: Array,
+    cage_top: float,
+    w: Array,
+    inner: Array | float,
+    outer: Array | float,
+) -> Array:
+    """Return the torque on the cage [N m] of drags at one temperature, (n,).
+
+    Parameters
+    ----------
+    terms : mapping
+        Coefficients inner, outer [N m s]; cage [N m s2] over rolling speed; remainder rest [N m] over cage speed.
+    by_speed : array
+        Weights of the nodes of rolling speed, (n, nodes).
+    cage_top : float
+        Last cage speed of the remainder [rad/s].
+    w : array
+        Speed of the cage [rad/s], (n,).
+    inner, outer : array or float
+        Speeds of the rings [rad/s].
+    """
+    rest = terms["rest"]
+    step = math.asinh(cage_top / CAGE_SMALL) / (rest.size - 1)
+    remainder = weights(rest.size, np.arcsinh(np.abs(w) / CAGE_SMALL) / step) @ rest
+    return np.asarray(
+        terms["inner"] * (inner - w)
+        + terms["outer"] * (outer - w)
+        - (by_speed @ terms["cage"]) * np.abs(w) * w
+        + np.sign(w) * remainder
+    )
+
+
 def bearing_variables(scene: Scene) -> dict[str, Any]:
     """Return radii, masses and inertias of the bearing, and the operation of the scene, as scalar variables."""
     assembly = assemble(scene)
@@ -316,21 +351,10 @@ class OperationTables:
         inner, outer : array or float
             Speeds of the rings [rad/s].
         """
-        d = self.drags
-        rest = d["rest"]
         n = self.tables.numbers
-        step = math.asinh(self.tables.cage_top / CAGE_SMALL) / (rest.size - 1)
-        remainder = weights(rest.size, np.arcsinh(np.abs(w) / CAGE_SMALL) / step) @ rest
         u = np.abs(inner - outer) / (1.0 / n["inner_radius"] + 1.0 / n["outer_radius"])
-        square = (
-            self.tables.axes["rolling_speed"].weights(np.broadcast_to(u, np.shape(w))) @ d["cage"]
-        )
-        return np.asarray(
-            d["inner"] * (inner - w)
-            + d["outer"] * (outer - w)
-            - square * np.abs(w) * w
-            + np.sign(w) * remainder
-        )
+        by_speed = self.tables.axes["rolling_speed"].weights(np.broadcast_to(u, np.shape(w)))
+        return drag_torque(self.drags, by_speed, self.tables.cage_top, w, inner, outer)
 
     def steady_state(self, inner: Array, outer: float) -> SteadyState:
         """Return the steady state at constant speeds of the rings: that of the smallest slip with a balance.
