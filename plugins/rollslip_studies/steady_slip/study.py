@@ -117,6 +117,8 @@ _TOLERANCE_FRACTION: Final = 0.5
 #: that is made again. Twice as much takes 0.7 times as many slices in three scenes of docs/scripts/play.py, and makes
 #: one of these runs again. Chosen.
 _SLIP_FRACTION: Final = 0.35
+#: Slip over a likely one up to which a loading branch is searched first. Chosen.
+_LIKELY_RANGE: Final = 3.0
 # Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them.
 
 #: Loading branches of a run: those of the last two numbers of positions.
@@ -493,10 +495,20 @@ class SteadySlip(Study):
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
 
-    def steady(self, assembly: Assembly) -> tuple[TorqueBalance, list[SteadyMotion], str]:
+    def steady(
+        self, assembly: Assembly, likely_slip: float = math.inf
+    ) -> tuple[TorqueBalance, list[SteadyMotion], str]:
         """Return the torque balance of a bearing, its steady motions on the loading branch, and the status of these.
 
         A cage that nothing drags has slip 0, which is stable.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        likely_slip : float
+            Slip of a similar bearing. The branch is first searched up to a multiple of it, so that larger steady slips
+            than the smallest stable one may be missing.
         """
         assembly = require_driven(assembly).with_resistance()
         balance = (
@@ -504,12 +516,17 @@ class SteadySlip(Study):
             if assembly.resolution.n_positions is None
             else self.balance(assembly)
         )
-        branch = self._loading_branch(balance)
         if balance.rolls_freely:
+            branch = self._loading_branch(balance)
             rolling = balance.motions.find(np.zeros(1))[0][0]
             motions = [SteadyMotion(0.0, 0.0, rolling, lambda: np.inf)]
         else:
-            motions = branch.find_steady_motions(balance.drag)
+            whole = max(RANGE, self.max_cage_slip)
+            for end in (min(_LIKELY_RANGE * max(abs(likely_slip), SMALLEST_SLIP), whole), whole):
+                branch = balance.loading_branch(end)
+                motions = branch.find_steady_motions(balance.drag)
+                if any(motion.slope > 0.0 for motion in motions):
+                    break
         slips = [motion.slip for motion in motions]
         return balance, motions, describe_steady_status(balance, branch, slips)
 

@@ -10,15 +10,15 @@ slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 3. Omit single points at which a search did not converge. Bisect between a point with and one without a steady slip:
    there the curve ends.
 4. Search a pair of zeros between points by minimising |excess heat| where it has an extremum near zero (Brent).
-5. Find each zero by Brent's method; an interval in which the steady slip ends holds a jump, not a zero.
-6. Refine each balance by Newton's method on all nodes. It is stable if all eigenvalues of C^-1 dH/dT are negative, with
+5. Find each zero by regula falsi (Illinois); an interval in which the steady slip ends holds a jump, not a zero.
+6. Refine each balance on all nodes by Broyden's method, from the derivatives of the cooling alone. It is stable if all eigenvalues of C^-1 dH/dT are negative, with
    the losses in the heat flows H.
 7. The limit is the minimum of the excess heat above the coldest stable balance: the limit point (fold) at which no
    balance is left if heat is added. Where the curve ends first, the cage skids: a limit of the film, not of the bulk.
 """
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import attrs
@@ -28,7 +28,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.scene.changes import evolve
-from rollslip.search import secant_root
+from rollslip.search import illinois_root, secant_root
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 from rollslip_studies.motion.losses import PowerBalance, power_balance
 from rollslip_studies.steady_slip.evaluated import estimate_by_secant
@@ -36,19 +36,22 @@ from rollslip_studies.steady_slip.study import SteadySlip
 
 __all__ = ["Balance", "Curve", "Heated", "State"]
 
-#: Tolerance of the temperatures of the nodes that follow, and of a zero of the curve [K]. Newton's method refines
+#: Tolerance of the temperatures of the nodes that follow, and of a zero of the curve [K]. Broyden's method refines
 #: balances after that. Halving it costs about one more iteration at each point. Chosen.
 _TEMPERATURE_TOLERANCE: Final = 1e-2
-#: Maximum number of iterations, of the fixed-point iteration and of Newton's method. Chosen: converging ones need 3 to
+#: Maximum number of iterations, of the fixed-point iteration and of Broyden's method. Chosen: converging ones need 3 to
 #: 10.
 _MAX_ITERATIONS: Final = 25
 #: Options of Powell's hybrid method, used where the fixed-point iteration does not converge. Chosen.
 _POWELL: Final[Any] = {"xtol": 1e-6, "maxfev": 40}
-#: Largest difference of temperatures [K] to a state from whose slip the secant method starts. Doubling it uses more
-#: distant slips, from which the method fails more often and the whole range is searched. Chosen.
-_START_DISTANCE: Final = 3.0
+#: Largest difference of temperatures [K] to a search on a loading branch at which the secant method replaces one.
+#: Chosen: above the step of the default grid, so that about every second point is searched.
+_START_DISTANCE: Final = 6.0
+#: Smallest difference of temperatures [K] of two states through which slips are extrapolated. Chosen: the difference of
+#: iterates at one leading temperature says little of other temperatures.
+_MIN_DISTANCE: Final = 1.0
 #: Tolerance of a slip by the secant method, relative to the slip it starts from. Chosen: far below that of the losses.
-_SLIP_TOLERANCE: Final = 1e-7
+_SLIP_TOLERANCE: Final = 1e-5
 #: Tolerance of such a slip where flows are differentiated. Chosen: rounding, since differences of 0.02 K amplify
 #: errors.
 _PRECISE_SLIP_TOLERANCE: Final = 1e-12
@@ -64,8 +67,10 @@ _DIFFERENCE_STEP: Final = 0.02
 _POWELL_RESIDUAL: Final = 1e-4
 #: Number of bisections that find the end of a curve: to 1/4096 of a step of the grid. Chosen.
 _END_BISECTIONS: Final = 12
-#: Heat flow that Newton's method aims at, relative to the losses: rounding.
-_NEWTON_RESIDUAL: Final = 1e-12
+#: Heat flow that Broyden's method aims at, relative to the losses: rounding.
+_RESIDUAL: Final = 1e-12
+#: Step [K] from which one that does not reduce the heat flow ends Broyden's method. Chosen: above rounding.
+_SMALL_STEP: Final = 1e-9
 #: Largest difference of heat made and heat carried away of an accepted balance, relative to the losses. Chosen.
 _BALANCE_TOLERANCE: Final = 1e-6
 #: Lowest temperature of the leading node at which balances are sought [K]. Chosen: below it no oil is liquid.
@@ -164,8 +169,10 @@ class Heated:
         self._study = study
         self.scene = assembly.scene
         self._states = dict[tuple[float, ...], State]()
-        #: states whose slip was searched over the whole range, with the changes of the scene that lead to them
-        self._searched = list[tuple[Mapping[str, float], State]]()
+        #: changes of the scene that lead to states with a slip, and these states
+        self._found = list[tuple[Mapping[str, float], State]]()
+        #: those changes with which the slip was searched on a loading branch
+        self._searched = list[Mapping[str, float]]()
         self.jumps: list[tuple[float, float]] = []
         self.skipped: list[float] = []
         self.precise_slips = False
@@ -193,9 +200,11 @@ class Heated:
         self.evaluations += 1
         try:
             bearing = self._bearing(changes)
-            if (neighbour := self._state_by_secants(bearing, changes)) is not None:
+            likely = self._likely_slip(changes)
+            if (neighbour := self._state_by_secants(bearing, changes, likely)) is not None:
+                self._found.append((changes, neighbour))
                 return neighbour
-            balance, steady, status = self._study.steady(bearing)
+            balance, steady, status = self._study.steady(bearing, likely[0])
             stable = next((motion for motion in steady if motion.slope > 0.0), None)
             if stable is None:
                 return State(
@@ -208,7 +217,8 @@ class Heated:
                 power_balance(balance, balance.orbit_from_motion(stable.motion)),
                 slope=stable.slope,
             )
-            self._searched.append((changes, state))
+            self._searched.append(changes)
+            self._found.append((changes, state))
             return state
         except (SceneError, DomainError) as error:
             # the user did not write these temperatures, so the location in the scene is removed
@@ -246,19 +256,16 @@ class Heated:
         )
         return slip_error, abs(loss / float(own_loss) - 1.0)
 
-    def _state_by_secants(self, bearing: Assembly, changes: Mapping[str, float]) -> State | None:
-        """Return the state by the secant method from the slip at nearly the same temperatures; None if it fails."""
-        distances = (
-            (max(abs(searched[key] - changes[key]) for key in changes), k)
-            for k, (searched, _) in enumerate(self._searched)
-            if searched.keys() == changes.keys() and changes
-        )
-        distance, nearest = min(distances, default=(np.inf, -1))
-        if distance > _START_DISTANCE:
-            return None
-        searched, neighbour = self._searched[nearest]
-        start = neighbour.slip
-        if not start > 0.0:
+    def _state_by_secants(
+        self, bearing: Assembly, changes: Mapping[str, float], likely: tuple[float, float]
+    ) -> State | None:
+        """Return the state by the secant method from a likely slip and the slope there; None if it fails.
+
+        It is not tried far from temperatures at which the whole range of slips was searched.
+        """
+        start, slope = likely
+        distances = (_distance(searched, changes) for searched in self._searched)
+        if not (start > 0.0 and min(distances, default=np.inf) <= _START_DISTANCE):
             return None
         balance = self._study.balance(bearing)
         tolerance = _PRECISE_SLIP_TOLERANCE if self.precise_slips else _SLIP_TOLERANCE
@@ -266,15 +273,35 @@ class Heated:
         root = secant_root(
             balance.excess,
             start,
-            neighbour.slope,
+            slope,
             tolerance=tolerance * start,
             within=((1.0 - _SECANT_RANGE) * start, upper),
         )
         if root is None or not root[1] > 0.0 or abs(root[0] - start) > _MAX_SLIP_CHANGE * start:
             return None
         slip, slope = root
-        self._searched[nearest] = (searched, attrs.evolve(neighbour, slope=slope))
         return State(slip, power_balance(balance, balance.orbit(slip)), slope=slope)
+
+    def _likely_slip(self, changes: Mapping[str, float]) -> tuple[float, float]:
+        """Return a likely slip with changes of the scene, and the slope of the excess torque [N m] there.
+
+        Its logarithm is on the line through the nearest known state and another one; it is infinite without any.
+        """
+        known = sorted(
+            (state for state in self._found if state[0].keys() == changes.keys() and changes),
+            key=lambda state: _distance(state[0], changes),
+        )
+        if not known:
+            return np.inf, np.nan
+        nearest, state = known[0]
+        for other, another in known[1:]:
+            if _distance(nearest, other) < _MIN_DISTANCE or not state.slip * another.slip > 0.0:
+                continue
+            way = np.array([other[key] - nearest[key] for key in changes])
+            position = way @ [changes[key] - nearest[key] for key in changes] / (way @ way)
+            factor = float((another.slip / state.slip) ** np.clip(position, -1.0, 1.0))
+            return factor * state.slip, state.slope / factor
+        return state.slip, state.slope
 
     def inflows(self, temperatures: Array) -> Array:
         """Return the heat flow into each node [W], (n,), with the losses at temperatures of the nodes [K], (n,)."""
@@ -408,7 +435,7 @@ class Heated:
         temperatures : dict
             Temperatures of all nodes by that of the leading one; new ones are added.
         """
-        from scipy.optimize import brentq, minimize_scalar
+        from scipy.optimize import minimize_scalar
 
         def excess(leading: float) -> float:
             value, temperatures[leading] = self.excess(
@@ -439,7 +466,9 @@ class Heated:
         for a, b, left, right in zip(x, x[1:], values, values[1:], strict=False):
             if np.isfinite([left, right]).all() and left * right < 0.0:
                 try:
-                    zeros.append(float(brentq(excess, a, b, xtol=_TEMPERATURE_TOLERANCE)))
+                    zeros.append(
+                        illinois_root(excess, a, b, left, right, tolerance=_TEMPERATURE_TOLERANCE)
+                    )
                 except _Refused:  # a jump past zero, at which nothing is in balance
                     self.jumps.append((a, b))
         return zeros
@@ -484,7 +513,7 @@ class Heated:
     # Balances -------------------------------------------------------------------------------------------------------
 
     def balance(self, temperatures: Array) -> Balance | None:
-        """Return the balance near temperatures [K], (n,), by Newton's method on all nodes; None where losses jump."""
+        """Return the balance near temperatures [K], (n,), by Broyden's method on all nodes; None where losses jump."""
         try:
             balance = self._balance(temperatures)
         except _Refused:
@@ -500,22 +529,25 @@ class Heated:
         return None
 
     def _balance(self, temperatures: Array) -> Balance:
-        """Return the balance of Newton's method, which ends at rounding or at its maximum number of iterations."""
+        """Return the balance of Broyden's method, which ends at rounding or at its maximum number of iterations."""
         T = temperatures.copy()
+        heat = self.at(T).heat
+        jacobian = self._jacobian(T, lambda at: self.model.inflows(at, heat))
         self.precise_slips = True
         flow = self.inflows(T)
-        jacobian = self._jacobian(T)
         for _ in range(_MAX_ITERATIONS):
-            previous = T, flow
-            if float(np.abs(flow).max()) <= _NEWTON_RESIDUAL * self._total_loss(T):
+            size = float(np.abs(flow).max())
+            if size <= _RESIDUAL * self._total_loss(T):
                 break
-            T = T + np.linalg.solve(jacobian, -flow)
-            flow = self.inflows(T)
-            if float(np.abs(flow).max()) >= float(np.abs(previous[1]).max()):
-                T, flow = previous  # rounding is reached
+            step = np.linalg.solve(jacobian, -flow)
+            next_flow = self.inflows(T + step)
+            if np.abs(next_flow).max() >= size and np.abs(step).max() <= _SMALL_STEP:
                 break
+            T = T + step
+            flow = next_flow
+            jacobian += np.outer(flow, step) / (step @ step)
         growth = float(
-            np.linalg.eigvals(self._jacobian(T) / self.model.capacities()[:, None]).real.max()
+            np.linalg.eigvals(self._jacobian(T, self.inflows) / self.model.capacities()[:, None]).real.max()
         )
         carried = sum(self.model.carried_away(T).values())
         total_loss = self._total_loss(T)
@@ -527,12 +559,12 @@ class Heated:
         assert power is not None
         return power.total or 1.0
 
-    def _jacobian(self, temperatures: Array) -> Array:
-        """Return dH/dT by central differences [W/K], (n, n)."""
+    @staticmethod
+    def _jacobian(temperatures: Array, flows: Callable[[Array], Array]) -> Array:
+        """Return the derivatives of heat flows with respect to temperatures by central differences [W/K], (n, n)."""
         return np.array(
             [
-                (self.inflows(temperatures + step) - self.inflows(temperatures - step))
-                / (2.0 * _DIFFERENCE_STEP)
+                (flows(temperatures + step) - flows(temperatures - step)) / (2.0 * _DIFFERENCE_STEP)
                 for step in _DIFFERENCE_STEP * np.eye(temperatures.size)
             ]
         ).T
@@ -633,6 +665,13 @@ class _Scan:
             self.sample(colder)
             grid.insert(0, colder)
         return grid
+
+
+def _distance(changes: Mapping[str, float], others: Mapping[str, float]) -> float:
+    """Return the largest difference of temperatures [K] between changes of a scene; infinite for other keys."""
+    if not changes or changes.keys() != others.keys():
+        return np.inf
+    return max(abs(changes[key] - others[key]) for key in changes)
 
 
 def _extrapolated(leading: float, temperatures: Mapping[float, Array]) -> Array:
