@@ -10,7 +10,7 @@ slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 3. Omit single points at which a search did not converge. Bisect between a point with and one without a steady slip:
    there the curve ends.
 4. Search a pair of zeros between points by minimising |excess heat| where it has an extremum near zero (Brent).
-5. Find each zero by regula falsi (Illinois); an interval in which the steady slip ends holds a jump, not a zero.
+5. Find each zero by Brent's method; an interval in which the steady slip ends holds a jump, not a zero.
 6. Refine each balance on all nodes by Broyden's method, from the derivatives of the cooling alone. It is stable if all eigenvalues of C^-1 dH/dT are negative, with
    the losses in the heat flows H.
 7. The limit is the minimum of the excess heat above the coldest stable balance: the limit point (fold) at which no
@@ -28,7 +28,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.scene.changes import evolve
-from rollslip.search import illinois_root, secant_root
+from rollslip.search import secant_root
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 from rollslip_studies.motion.losses import PowerBalance, power_balance
 from rollslip_studies.steady_slip.evaluated import estimate_by_secant
@@ -382,7 +382,13 @@ class Heated:
         return float(self.model.inflows(T, heat)[0]), T
 
     def curve(
-        self, lowest: float, highest: float, points: int, *, first: bool = False
+        self,
+        lowest: float,
+        highest: float,
+        points: int,
+        *,
+        first: bool = False,
+        coarse: "Heated | None" = None,
     ) -> tuple[Curve, dict[float, Array]]:
         """Return the excess heat over a range, and the temperatures of all nodes by that of the leading one.
 
@@ -396,9 +402,17 @@ class Heated:
             Number of points of the first grid.
         first : bool
             Whether the curve ends where it first falls below zero; it is the same up to there.
+        coarse : Heated, optional
+            The same bearing at a coarser resolution, with which the grid is sampled first. Its samples stay where the
+            curve has neither a zero nor an end nor an extremum beside them.
         """
-        scan = _Scan(self)
+        scan = _Scan(self if coarse is None else coarse)
         grid = scan.sample_grid(lowest, highest, points, first=first)
+        if coarse is not None:
+            self.evaluations += coarse.evaluations
+            self._found += coarse._found  # noqa: SLF001 - of the same class: likely slips
+            scan = attrs.evolve(scan, heated=self)
+            scan.sample_features(grid)
         refused = scan.refused
         for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
             if x in refused and refused[x].not_converged and a not in refused and b not in refused:
@@ -435,9 +449,13 @@ class Heated:
         temperatures : dict
             Temperatures of all nodes by that of the leading one; new ones are added.
         """
-        from scipy.optimize import minimize_scalar
+        from scipy.optimize import brentq, minimize_scalar
+
+        known = dict(zip(curve.temperature.tolist(), curve.excess.tolist(), strict=True))
 
         def excess(leading: float) -> float:
+            if leading in known:
+                return known[leading]
             value, temperatures[leading] = self.excess(
                 leading, _extrapolated(leading, temperatures)
             )
@@ -466,9 +484,7 @@ class Heated:
         for a, b, left, right in zip(x, x[1:], values, values[1:], strict=False):
             if np.isfinite([left, right]).all() and left * right < 0.0:
                 try:
-                    zeros.append(
-                        illinois_root(excess, a, b, left, right, tolerance=_TEMPERATURE_TOLERANCE)
-                    )
+                    zeros.append(float(brentq(excess, a, b, xtol=_TEMPERATURE_TOLERANCE)))
                 except _Refused:  # a jump past zero, at which nothing is in balance
                     self.jumps.append((a, b))
         return zeros
@@ -531,10 +547,10 @@ class Heated:
     def _balance(self, temperatures: Array) -> Balance:
         """Return the balance of Broyden's method, which ends at rounding or at its maximum number of iterations."""
         T = temperatures.copy()
-        heat = self.at(T).heat
-        jacobian = self._jacobian(T, lambda at: self.model.inflows(at, heat))
         self.precise_slips = True
         flow = self.inflows(T)
+        heat = self.at(T).heat
+        jacobian = self._jacobian(T, lambda at: self.model.inflows(at, heat))
         for _ in range(_MAX_ITERATIONS):
             size = float(np.abs(flow).max())
             if size <= _RESIDUAL * self._total_loss(T):
@@ -639,6 +655,7 @@ class _Scan:
             guess = _extrapolated(leading, self.temperatures)
         else:
             guess = self.heated.model.start(self.heated.scene)
+        self.refused.pop(leading, None)
         try:
             self.excess[leading], self.temperatures[leading] = self.heated.excess(leading, guess)
         except _Refused as refusal:
@@ -665,6 +682,26 @@ class _Scan:
             self.sample(colder)
             grid.insert(0, colder)
         return grid
+
+    def sample_features(self, grid: list[float]) -> None:
+        """Sample the points of a grid anew beside which the curve has a zero, an end or an extremum."""
+        sampled = set[float]()
+        while features := self._features(grid) - sampled:
+            for x in sorted(features):
+                self.sample(x)
+            sampled |= features
+
+    def _features(self, grid: list[float]) -> set[float]:
+        """Return the points of a grid beside which the curve has a zero, an end or an extremum."""
+        values = [self.excess[x] for x in grid]
+        features = set[float]()
+        for k, (left, right) in enumerate(itertools.pairwise(values)):
+            if np.isfinite(left) != np.isfinite(right) or left * right <= 0.0:
+                features.update(grid[k : k + 2])
+        for k, (left, middle, right) in enumerate(zip(values, values[1:], values[2:], strict=False)):
+            if (middle - left) * (right - middle) <= 0.0:
+                features.update(grid[k : k + 3])
+        return features
 
 
 def _distance(changes: Mapping[str, float], others: Mapping[str, float]) -> float:

@@ -14,13 +14,15 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, in_range, non_negative, parameter, positive
 from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
+from rollslip.scene.changes import evolve
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
+from rollslip.studies.error_estimate import COARSE_POSITIONS, COARSE_SLICES, coarse_assembly
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model
 from rollslip_studies.steady_slip.evaluated import choose_by_torques
@@ -184,8 +186,21 @@ class ThermalBalance(Study):
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose slices, roller positions and laws as for torques of a steady slip at the temperatures of the scene."""
-        return choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
+        """Choose slices, roller positions and laws as for torques of a steady slip at temperatures near the balance.
+
+        They are those of the coldest zero of the excess heat on coarse slices and positions; without one, and where the
+        temperatures are given, those of the scene.
+        """
+        there = assembly
+        model = self._model(assembly)
+        if model.nodes:
+            heated = self._coarse(assembly)
+            curve, temperatures = self._curve(heated, first=True)
+            if zeros := heated.zeros(curve, temperatures):
+                changes = model.changes(temperatures[zeros[0]], assembly.scene)
+                scene = evolve(assembly.scene, changes, si=True)
+                there = assemble(scene, assembly.resolution, like=assembly)
+        return choose_by_torques(self._steady, there, cheaper_laws=cheaper_laws)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the thermal model."""
@@ -233,7 +248,7 @@ class ThermalBalance(Study):
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return the relative errors of slip and losses at the stationary temperatures, by a finer bearing.
 
-        The resolution was chosen at the temperatures of the scene. A slip that is shown without digits is omitted.
+        A slip that is shown without digits is omitted.
 
         Parameters
         ----------
@@ -348,19 +363,36 @@ class ThermalBalance(Study):
         self, heated: Heated, *, first: bool = False
     ) -> tuple[Curve, dict[float, Any], list[Balance]]:
         """Return the curve of excess heat, temperatures of all nodes by the leading one, and the balances."""
-        model = heated.model
-        lowest = float(
-            min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
-        )
-        curve, temperatures = heated.curve(
-            lowest, max(self.highest_temperature, lowest + 1.0), self.points, first=first
-        )
+        coarse = None if heated.scene.accuracy.exact else self._coarse(heated.assembly)
+        curve, temperatures = self._curve(heated, coarse, first=first)
         balances = [
             balance
             for x in heated.zeros(curve, temperatures)
             if (balance := heated.balance(temperatures[x])) is not None
         ]
         return curve, temperatures, balances
+
+    def _coarse(self, assembly: Assembly) -> Heated:
+        """Return the heated bearing on coarse slices and roller positions."""
+        coarse = assembly if assembly.slices <= COARSE_SLICES else coarse_assembly(assembly)
+        resolution = attrs.evolve(coarse.resolution, n_positions=COARSE_POSITIONS)
+        return Heated(coarse.at(resolution), self._model(assembly), self._steady)
+
+    def _curve(
+        self, heated: Heated, coarse: Heated | None = None, *, first: bool
+    ) -> tuple[Curve, dict[float, Any]]:
+        """Return the curve of excess heat, and the temperatures of all nodes by the leading one."""
+        model = heated.model
+        lowest = float(
+            min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
+        )
+        return heated.curve(
+            lowest,
+            max(self.highest_temperature, lowest + 1.0),
+            self.points,
+            first=first,
+            coarse=coarse,
+        )
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return variables and coordinates of the balances, the excess heat, the limit and the course over time."""
