@@ -186,21 +186,16 @@ class ThermalBalance(Study):
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
     ) -> ResolutionChoice:
-        """Choose slices, roller positions and laws as for torques of a steady slip at temperatures near the balance.
+        """Choose slices, roller positions and laws as for torques of a steady slip at temperatures near a balance.
 
-        They are those of the coldest zero of the excess heat on coarse slices and positions; without one, and where the
-        temperatures are given, those of the scene.
+        Without one, and where the temperatures are given, they are those of the scene.
         """
-        there = assembly
         model = self._model(assembly)
-        if model.nodes:
-            heated = self._coarse(assembly)
-            curve, temperatures = self._curve(heated, first=True)
-            if zeros := heated.zeros(curve, temperatures):
-                changes = model.changes(temperatures[zeros[0]], assembly.scene)
-                scene = evolve(assembly.scene, changes, si=True)
-                there = assemble(scene, assembly.resolution, like=assembly)
-        return choose_by_torques(self._steady, there, cheaper_laws=cheaper_laws)
+        near = self._coarse(assembly).near_balance() if model.nodes else None
+        if near is not None:
+            scene = evolve(assembly.scene, model.changes(near, assembly.scene), si=True)
+            assembly = assemble(scene, assembly.resolution, like=assembly)
+        return choose_by_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the thermal model."""
@@ -363,8 +358,17 @@ class ThermalBalance(Study):
         self, heated: Heated, *, first: bool = False
     ) -> tuple[Curve, dict[float, Any], list[Balance]]:
         """Return the curve of excess heat, temperatures of all nodes by the leading one, and the balances."""
-        coarse = None if heated.scene.accuracy.exact else self._coarse(heated.assembly)
-        curve, temperatures = self._curve(heated, coarse, first=first)
+        model = heated.model
+        lowest = float(
+            min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
+        )
+        curve, temperatures = heated.curve(
+            lowest,
+            max(self.highest_temperature, lowest + 1.0),
+            self.points,
+            first=first,
+            coarse=None if heated.scene.accuracy.exact else self._coarse(heated.assembly),
+        )
         balances = [
             balance
             for x in heated.zeros(curve, temperatures)
@@ -377,22 +381,6 @@ class ThermalBalance(Study):
         coarse = assembly if assembly.slices <= COARSE_SLICES else coarse_assembly(assembly)
         resolution = attrs.evolve(coarse.resolution, n_positions=COARSE_POSITIONS)
         return Heated(coarse.at(resolution), self._model(assembly), self._steady)
-
-    def _curve(
-        self, heated: Heated, coarse: Heated | None = None, *, first: bool
-    ) -> tuple[Curve, dict[float, Any]]:
-        """Return the curve of excess heat, and the temperatures of all nodes by the leading one."""
-        model = heated.model
-        lowest = float(
-            min([*model.start(heated.scene), *(() if model.inlet is None else model.inlet[:1])])
-        )
-        return heated.curve(
-            lowest,
-            max(self.highest_temperature, lowest + 1.0),
-            self.points,
-            first=first,
-            coarse=coarse,
-        )
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return variables and coordinates of the balances, the excess heat, the limit and the course over time."""
