@@ -3,8 +3,8 @@ Which load keeps the cage from slipping?
 ========================================
 
 A sweep runs one study at many points. Here the radial load rises, with the drags of each scene. Where the cage does not
-skid, twice the load makes the slip three to seven times smaller. Catalogue minimum loads are 0.8 to 10 kN, whatever the
-oil and the cage.
+skid, twice the load makes the slip two to eight times smaller, least where it is small already. Catalogue minimum loads
+are 0.36 to 10 kN, whatever the oil and the cage.
 """
 
 import matplotlib.pyplot as plt
