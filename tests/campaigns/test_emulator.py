@@ -126,9 +126,9 @@ def test_an_interval_is_widened_by_twice_the_error():
 
 @pytest.fixture
 def few_whole(monkeypatch):
-    """Sixteen samples are computed as a whole; so few leave a larger error."""
-    monkeypatch.setattr(emulation, "WHOLE_SAMPLES", (16,))
-    monkeypatch.setattr(emulation, "_MIN_RATIO", 4)
+    """Twelve samples are computed as a whole; so few leave a larger error."""
+    monkeypatch.setattr(emulation, "WHOLE_SAMPLES", (12,))
+    monkeypatch.setattr(emulation, "_MIN_RATIO", 2)
 
 
 def values_of(found):
@@ -136,22 +136,22 @@ def values_of(found):
 
 
 def test_emulated_samples_are_those_computed_as_a_whole_whatever_the_engine(few_whole, tmp_path):
-    found = rollslip.uncertainty(SCATTERED, samples=64)
-    assert found["computed"].sel(quantity=STEADY).item() == 16
-    assert found["samples"].sel(quantity=STEADY).item() == 64
-    assert found.attrs["stop"].startswith("16 of 64 samples computed as a whole")
-    assert json.loads(found.attrs["points"]) == {"critical": {"ok": 16}, "torques": {"ok": 48}}
+    found = rollslip.uncertainty(SCATTERED, samples=32)
+    assert found["computed"].sel(quantity=STEADY).item() == 12
+    assert found["samples"].sel(quantity=STEADY).item() == 32
+    assert found.attrs["stop"].startswith("12 of 32 samples computed as a whole")
+    assert json.loads(found.attrs["points"]) == {"critical": {"ok": 12}, "torques": {"ok": 20}}
 
-    threads = UncertaintySettings(SCATTERED, samples=64, engine="threads").plan()
+    threads = UncertaintySettings(SCATTERED, samples=32, engine="threads").plan()
     run_margin(threads, tmp_path)
     # the second time from the journals alone
     np.testing.assert_array_equal(values_of(run_margin(threads, tmp_path)), values_of(found))
 
-    plain = rollslip.uncertainty(SCATTERED, samples=64, plain=True)
+    plain = rollslip.uncertainty(SCATTERED, samples=32, plain=True)
     assert "critical slip" in plain["quantity"]
-    assert plain["computed"].sel(quantity=STEADY).item() == 64
+    assert plain["computed"].sel(quantity=STEADY).item() == 32
     for one, other, scale in zip(values_of(found), values_of(plain), scales()[::-1], strict=True):
-        np.testing.assert_array_equal(one[:16], other[:16])
+        np.testing.assert_array_equal(one[:12], other[:12])
         np.testing.assert_allclose(scale.forward(one), scale.forward(other), atol=0.15)
 
 
