@@ -65,15 +65,14 @@ class DragTerms:
 
     def square_coefficient(self, leads: float) -> float:
         """Return the coefficient of the cage speed squared [N m s2], by a second difference."""
-        w = self.speed
         return (
             -8.0
             * (
-                self.remainder(w, leads)
-                - 2.0 * self.remainder(0.75 * w, leads)
-                + self.remainder(0.5 * w, leads)
+                self.remainder(self.speed, leads)
+                - 2.0 * self.remainder(0.75 * self.speed, leads)
+                + self.remainder(0.5 * self.speed, leads)
             )
-            / w**2
+            / self.speed**2
         )
 
 
@@ -155,9 +154,8 @@ def drag_errors(scene: "Scene", temperatures: Array, tables: DragTables) -> Arra
                 )
             ]
         )
-        by_temperature = tables.temperature.weights(temperature)[0]
         terms = {
-            name: np.tensordot(by_temperature, table, axes=1)
+            name: (tables.temperature.weights(temperature) @ table.reshape(len(table), -1)).ravel()
             for name, table in tables.terms.items()
         }
         torque = drag_torque(terms, tables.rolling.weights(u), top, cage, inner, outer)

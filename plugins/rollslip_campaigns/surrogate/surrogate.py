@@ -115,8 +115,7 @@ class _Nodes:
 
     def tables(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
         """Return the tables at indices of the finest rows of temperature and load: (temperature, load, ...)."""
-        stride = self.plan.sweep.design.shape[1]
-        numbers = np.array([[t * stride + w for w in loads] for t in temperatures])
+        numbers = np.add.outer(np.multiply(temperatures, self.plan.sweep.design.shape[1]), loads)
         _compute_points(self.points, self.results, numbers.ravel().tolist())
         return {
             name: np.array([[self.results[int(n)][name] for n in row] for row in numbers])
@@ -246,10 +245,17 @@ def run_surrogate(
         name: np.array([results[k][name] for k in sorted(results)]) for name in _TABLE_AXES
     }
     axes = row_axes(plan.ranges)
-    operations = _random_operations(plan)
-    seconds_each = (time.monotonic() - start) / design.size
+    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
+    operations = {
+        key.partition(".")[2]: np.array(
+            [float(change.get(key, plan.ranges[key][0])) for change in changes]
+        )
+        for key in OPERATION_KEYS[:2]
+    }
     attempts = (
-        _levels_in_time(nodes, start, seconds_each) if plan.seconds else _levels_by_error(nodes)
+        _levels_in_time(nodes, start, (time.monotonic() - start) / design.size)
+        if plan.seconds
+        else _levels_by_error(nodes)
     )
     for levels, allowed in attempts:
         rows = [_row(axis, level) for axis, level in zip(axes.values(), levels, strict=True)]
@@ -272,8 +278,7 @@ def run_surrogate(
             plan.rolling[:: strides[1]],
         )
         temperatures, inverse = np.unique(operations["temperature"], return_inverse=True)
-        of_drags = drag_errors(plan.sweep.scene, temperatures, drags)
-        errors = np.maximum(errors, of_drags[inverse])
+        errors = np.maximum(errors, drag_errors(plan.sweep.scene, temperatures, drags)[inverse])
         print_line(
             f"{len(rows[0])} temperatures and {len(rows[1])} loads: the error at random operations is "
             f"{100 * errors.max():.2g} % at most"
@@ -288,18 +293,6 @@ def run_surrogate(
     dataset = _dataset(plan, rows, strides, {**fine, **tables}, drags, operations, errors)
     save(dataset, folder / RESULT)
     return dataset
-
-
-def _random_operations(plan: SurrogatePlan) -> dict[str, Array]:
-    """Return temperatures [K] and loads [N] of the random operations."""
-    design = plan.random.design
-    changes: list[Mapping[str, Any]] = [*map(design.changes, range(design.size))]
-    return {
-        key.partition(".")[2]: np.array(
-            [float(change.get(key, plan.ranges[key][0])) for change in changes]
-        )
-        for key in OPERATION_KEYS[:2]
-    }
 
 
 def _choose_strides(plan: SurrogatePlan, fine: Mapping[str, Array], allowed: float) -> list[int]:
@@ -520,9 +513,9 @@ def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Datase
     low, high = plan.ranges[OPERATION_KEYS[2]]
     speeds = np.linspace(low, high, _SHAFT_NODES) if high > low else np.array([low])
     tables = Tables.from_dataset(result)
-    outer = plan.sweep.scene.operation.outer_speed
     T = result["temperature"].to_numpy()
     W = result["radial_load"].to_numpy()
+    outer = plan.scene.operation.outer_speed
     states = np.array(
         [
             [
@@ -550,10 +543,10 @@ def _with_steady_states(result: "xr.Dataset", plan: SurrogatePlan) -> "xr.Datase
                 si=True,
             )
         )
-        cage_speed = bearing.kinematics.epicyclic_cage_speed
         for w, load in enumerate(W.tolist()):
             springs[t, w, k] = stiffness(
-                bearing.at_load(load), cage_speed * (1.0 - float(slips[t, w, k]))
+                bearing.at_load(load),
+                bearing.kinematics.epicyclic_cage_speed * (1.0 - float(slips[t, w, k])),
             )
     for name, entry in (("along", (0, 0)), ("across", (1, 1)), ("oblique to", (0, 1))):
         variables[f"stiffness_{name.split()[0]}"] = (

@@ -1,18 +1,24 @@
 """Compute the first samples as a whole, and emulate the others from torques of their rollers at a few cage slips."""
 
 import math
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Any, Final
 
 import attrs
 import numpy as np
 
-from rollslip.results.dataset import xr
+from rollslip.results.answer import SKIDDING_SLIP
+from rollslip.results.dataset import about, xr
 from rollslip.search import Array
 from rollslip_campaigns.uncertainty.emulator import Basis, scales
-from rollslip_campaigns.uncertainty.estimators import Estimate
-from rollslip_campaigns.uncertainty.findings import RESERVE, STEADY
-from rollslip_campaigns.uncertainty.samples import basis_of, emulated_samples, friction_samples
+from rollslip_campaigns.uncertainty.estimators import Estimate, estimate_variables, fraction
+from rollslip_campaigns.uncertainty.findings import RESERVE, SKIDDING, STEADY
+from rollslip_campaigns.uncertainty.samples import (
+    basis_of,
+    classify_reserves,
+    emulated_samples,
+    friction_samples,
+)
 
 __all__ = [
     "TORQUES",
@@ -21,6 +27,7 @@ __all__ = [
     "emulate_samples",
     "equivalent_samples",
     "is_worthwhile",
+    "probability_variables",
 ]
 
 #: Numbers of samples that are computed as a whole before the others are emulated; a larger one follows where the error
@@ -126,3 +133,54 @@ def emulate_samples(
             values={name: np.concatenate([known[name], others[name]]) for name in others},
         )
     return None
+
+
+def probability_variables(
+    critical: "xr.Dataset",
+    values: Mapping[str, Array],
+    emulated: EmulatedSamples | None,
+    confidence: float,
+) -> dict[str, Any]:
+    """Return the margin, the probability of skidding, and the number of reserves that are lower bounds, as variables.
+
+    Parameters
+    ----------
+    critical : Dataset
+        Points of the n samples that are computed as a whole.
+    values : mapping of str to ndarray
+        Their slips, (n,) each, with play in the pockets.
+    emulated : EmulatedSamples or None
+        All samples, if most are emulated; they count for the probability of skidding.
+    confidence : float
+        Confidence of the intervals.
+    """
+    slip = values[STEADY]
+    skidding_slip = values[SKIDDING]
+    n = slip.size
+    counts = {name: int(mask.sum()) for name, mask in classify_reserves(critical).items()}
+    total = n
+    if emulated is not None:
+        others = {name: samples[n:] for name, samples in emulated.values.items()}
+        skids = (others[RESERVE] < 1.0) | (others[STEADY] > SKIDDING_SLIP)
+        counts["skids"] += int(skids.sum())
+        counts["bound"] += int(np.isinf(others[RESERVE]).sum())
+        counts["unknown"] += int(np.isnan(others[RESERVE]).sum())
+        total = emulated.values[STEADY].size
+    known = ~np.isnan(slip) & ~np.isnan(skidding_slip)
+    return {
+        **estimate_variables(
+            "margin",
+            fraction(int((slip < skidding_slip)[known].sum()), int((~known).sum()), n, confidence),
+            "probability that the steady slip is below that at which skidding begins",
+        ),
+        **estimate_variables(
+            "skidding",
+            fraction(counts["skids"], counts["unknown"], total, confidence),
+            "probability that the cage has no balance of torques",
+        ),
+        "bounded": (
+            (),
+            counts["bound"],
+            about("1", "samples of which the reserve is a lower bound"),
+        ),
+    }

@@ -53,9 +53,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MAX_CAGE_SLIP, search_range_hint
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.curves import or_none
-from rollslip.results.dataset import UNITS, about, xr
+from rollslip.results.dataset import UNITS, about, save, xr
 from rollslip.results.text import Status, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.structure import raise_problem_if, raise_problems
@@ -73,11 +72,11 @@ from rollslip_campaigns.uncertainty.emulation import (
     emulate_samples,
     equivalent_samples,
     is_worthwhile,
+    probability_variables,
 )
 from rollslip_campaigns.uncertainty.estimators import (
     Estimate,
     estimate_variables,
-    fraction,
     indices,
     min_samples,
     quantile,
@@ -93,7 +92,6 @@ from rollslip_campaigns.uncertainty.findings import (
 )
 from rollslip_campaigns.uncertainty.samples import (
     CRITICAL_SLIP,
-    classify_reserves,
     friction_samples,
     minimum_loads,
 )
@@ -224,10 +222,9 @@ class Margin:
         bounds = [(SKIDDING, 1.0 - self.probability)]
         if STEADY in values:
             bounds = [(STEADY, self.probability), (RESERVE, 1.0 - self.probability)]
-        estimates = [self.quantile(values[name], fraction) for name, fraction in bounds]
         return all(
             estimate.low > -math.inf and (estimate.high < math.inf or estimate.value == math.inf)
-            for estimate in estimates
+            for estimate in (self.quantile(values[name], fraction) for name, fraction in bounds)
         )
 
     @property
@@ -294,9 +291,10 @@ class Margin:
             Points of a sweep, of rollers set in the cage.
         """
         loads = minimum_loads(points)
-        nominal = self._nominal
-        if float(nominal.get("minimum_load_without_play", np.nan)) > 0.0:
-            loads *= float(nominal["minimum_load"] / nominal["minimum_load_without_play"])
+        if float(self._nominal.get("minimum_load_without_play", np.nan)) > 0.0:
+            loads *= float(
+                self._nominal["minimum_load"] / self._nominal["minimum_load_without_play"]
+            )
         return loads
 
     def quantile(self, values: Array, probability: float) -> Estimate:
@@ -463,15 +461,12 @@ def run_margin(
     xarray.Dataset
         As described in `rollslip_campaigns.uncertainty.UncertaintySettings`; NaN is unknown, infinite beyond a range.
     """
-    from rollslip.results.dataset import save
-
     folder.mkdir(parents=True, exist_ok=True)
 
-    def print_with(name: str) -> Callable[[str], None]:
-        return lambda text: print_line(f"{name}: {text}")
-
     def points_of(name: str, sweep: Sweep) -> Points:
-        return Points.in_folder(sweep, folder / name, print_with(name), report)
+        return Points.in_folder(
+            sweep, folder / name, lambda text: print_line(f"{name}: {text}"), report
+        )
 
     computed = {name: points_of(name, sweep) for name, sweep in plan.sweeps.items()}
 
@@ -599,7 +594,7 @@ def _dataset(
     values = plan.friction_samples(critical)
     variables = dict[str, Any]()
     if STEADY in values:
-        variables |= _probabilities(critical, values, emulated)
+        variables |= probability_variables(critical, values, emulated, CONFIDENCE)
     if emulated is not None:
         values |= plan.with_play(dict(emulated.values))
         n = values[STEADY].size
@@ -682,42 +677,6 @@ def _dataset(
         coords,
         _attributes(plan, status_counts, json.loads(critical.attrs.get("validity", "{}"))),
     )
-
-
-def _probabilities(
-    critical: "xr.Dataset", values: Mapping[str, Array], emulated: EmulatedSamples | None
-) -> dict[str, Any]:
-    """Variables of the margin and of the probability of skidding, and the number of reserves that are lower bounds."""
-    slip = values[STEADY]
-    skidding_slip = values[SKIDDING]
-    n = slip.size
-    counts = {name: int(mask.sum()) for name, mask in classify_reserves(critical).items()}
-    total = n
-    if emulated is not None:
-        others = {name: samples[n:] for name, samples in emulated.values.items()}
-        skids = (others[RESERVE] < 1.0) | (others[STEADY] > SKIDDING_SLIP)
-        counts["skids"] += int(skids.sum())
-        counts["bound"] += int(np.isinf(others[RESERVE]).sum())
-        counts["unknown"] += int(np.isnan(others[RESERVE]).sum())
-        total = emulated.values[STEADY].size
-    known = ~np.isnan(slip) & ~np.isnan(skidding_slip)
-    return {
-        **estimate_variables(
-            "margin",
-            fraction(int((slip < skidding_slip)[known].sum()), int((~known).sum()), n, CONFIDENCE),
-            "probability that the steady slip is below that at which skidding begins",
-        ),
-        **estimate_variables(
-            "skidding",
-            fraction(counts["skids"], counts["unknown"], total, CONFIDENCE),
-            "probability that the cage has no balance of torques",
-        ),
-        "bounded": (
-            (),
-            counts["bound"],
-            about("1", "samples of which the reserve is a lower bound"),
-        ),
-    }
 
 
 def _distributions(
