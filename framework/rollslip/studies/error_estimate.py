@@ -184,8 +184,6 @@ _SIMPLIFICATIONS: Final = {
     "light_contacts": (pointwise_errors, _LEFT_OUT_FRACTION),
     "law": (sample_errors, _LAW_FRACTION),
 }
-#: Number from which a needed number of points counts as infinite; a float beyond it may not fit into an integer.
-_UNLIMITED: Final = 1e9
 
 # Orders --------------------------------------------------------------------------------------------------------------
 
@@ -591,7 +589,7 @@ def _choose_slices(
 
 def _whole_number(number: float, low: int, high: int | None) -> int:
     """Return a number rounded up, between two limits; without an upper one where that is None or 0, it is the lower."""
-    return int(min(max(math.ceil(min(number, _UNLIMITED)), low), high or low))
+    return math.ceil(min(max(number, low), high or low))
 
 
 def choose_by_doubling(

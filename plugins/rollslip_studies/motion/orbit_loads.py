@@ -15,8 +15,6 @@ from rollslip.errors import SceneError
 from rollslip.structure import Location
 from rollslip_kernels.gauss import row_rules
 
-__all__ = ["check_repeats", "orbit_loads", "over_pitch", "solve_orbits"]
-
 
 def orbit_loads(
     assembly: Assembly, n_positions: int, cage_speeds: Array, n_loads: int = 0

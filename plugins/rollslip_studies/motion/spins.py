@@ -38,7 +38,7 @@ Y. Sheffi, Urban Transportation Networks (1985), chapter 12: method of successiv
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -54,6 +54,7 @@ from rollslip.structure import Location
 from rollslip_kernels.motion.spin import NUDGED, SLIDES
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
+from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.orbit_loads import orbit_loads
 from rollslip_studies.motion.train import Train
 
@@ -118,16 +119,9 @@ _MAX_ERROR: Final = 1e-2
 #: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
 #: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
 _UNIFORM_WEIGHT: Final = 0.5
-#: Smallest mean roller slip without cage slip that counts; it keeps quotients finite. Half and twice the value
-#: change torques of 55 random bearings by less than 1e-11; chosen, far below the slips of rollers with rolling
-#: resistance.
-_MIN_IDLE_SLIP: Final = 1e-9
-#: Smallest scale of roller slips; it keeps quotients finite where neither cage nor rollers slip. Doubling it has no
-#: effect on any result; chosen, far below the roller slips of bearings.
+#: Smallest scale of roller slips, and smallest mean slip without cage slip; it keeps quotients finite where neither
+#: cage nor rollers slip. Doubling it has no effect on any result; chosen, far below the roller slips of bearings.
 _MIN_SLIP_SCALE: Final = 1e-12
-#: Smallest torque [N m] by which the error of a march of first order is divided; it keeps the quotient finite where
-#: rollers carry nothing. Any value far below the torques of bearings has the same effect; chosen.
-_MIN_TORQUE: Final = 1e-300
 #: Width of the first search, in roller slips, for the slip of rollers on a cage that does not slip. Half and
 #: twice the value change torques by rounding; chosen, near the slips of rollers with rolling resistance.
 _IDLE_WIDTH: Final = 1e-3
@@ -137,13 +131,6 @@ _ZERO_TORQUE: Final = 1e-12
 #: Status of the compiled search where torques balance nowhere between the bounds. A ring is that whose law has no
 #: value, and no status is success.
 _NO_BALANCE: Final = "lost"
-#: First step by which the upper start of a march with resistance is above rolling, over the distance of rolling on
-#: either ring. Neither half nor twice the value changes torques of 62 random bearings by more than 2e-14; chosen, so
-#: that the start is clearly outside.
-_START_WIDTH_FRACTION: Final = 0.25
-#: Further first step, over the largest roller slip without cage slip. Neither half nor twice the value changes
-#: torques of 62 random bearings by more than 3e-16; chosen, more than 1, because rollers slip more with a cage slip.
-_START_IDLE_FACTOR: Final = 1.25
 #: Largest upper start of a march, as a roller slip. Half and twice the value change no result of 55 random
 #: bearings; chosen, so that the doubling search for it ends.
 _MAX_START: Final = 64.0
@@ -185,30 +172,11 @@ class ConventionalFriction:
         return traction, resistance * rolling / film
 
 
-class TabulatedFriction(Protocol):
-    """Friction over the sliding speed V, tabulated over V/(|V| + V_s), such as `effective_table.EffectiveTable`."""
-
-    @property
-    def nodes(self) -> Array:
-        """Friction and its slope times the width of a cell, (N, 2)."""
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """V/(|V| + V_s) of the first and the last node."""
-
-    @property
-    def sliding_scale(self) -> float:
-        """V_s [m/s]."""
-
-    def friction(self, sliding: Array) -> Array:
-        """Return friction coefficients at sliding speeds [m/s]."""
-
-
 class EffectiveFriction:
     """Effective friction of one ring times the normal force, rolling resistance as without slip."""
 
     def __init__(
-        self, table: TabulatedFriction, friction: ConventionalFriction, rolling: float
+        self, table: EffectiveTable, friction: ConventionalFriction, rolling: float
     ) -> None:
         self._table = table
         self._force = friction.contacts.per_roller(friction.contacts.force)
@@ -290,8 +258,7 @@ class Spins:
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
         k = kinematics
-        if tables is None:
-            tables = {}
+        tables = {} if tables is None else tables
         self._contacts = tuple(ring for ring in contacts if isinstance(ring, LoadedContacts))
         self._gathered = [ring.gathered(tables.get(ring.raceway)) for ring in self._contacts]
         tables.update(
@@ -349,7 +316,7 @@ class Motions:
         pocket: float = 0.0,  # coefficient of friction of the rollers in their pockets
         rubbing: float = 0.0,  # coefficient of friction of rollers without a cage at their neighbours
         # Friction curves of inner and outer raceway in place of the whole chain.
-        effective: tuple[TabulatedFriction, TabulatedFriction] | None = None,
+        effective: tuple[EffectiveTable, EffectiveTable] | None = None,
         inertia: bool = True,  # False for rollers without inertia of their spin
         n_loads: int = 0,  # loads that stand for the slices of a roller, 0 for all of these
         # Motions of the same bearing, or of one nearly alike, which know the slip of its rollers without cage slip.
@@ -401,10 +368,10 @@ class Motions:
             return similar._idle_slip, similar._max_idle_slip
         if not self.resists:
             return 0.0, 0.0
-        width = (_MIN_SLIP_SCALE + _IDLE_WIDTH) * (1.0 - self._inner_ratio)
+        width = _IDLE_WIDTH * (1.0 - self._inner_ratio)
         march = self._march(np.zeros(1), np.zeros((1, 2)), widths=np.array([width]))
         slips = np.abs(march.roller_slips[0, 0])
-        return max(float(slips.mean()), _MIN_IDLE_SLIP), float(slips.max())
+        return max(float(slips.mean()), _MIN_SLIP_SCALE), float(slips.max())
 
     def with_resolution(self, n_positions: int, n_loads: int) -> "Motions":
         """Return those at other numbers of positions, and of loads of a roller (0 for all slices)."""
@@ -541,10 +508,9 @@ class Motions:
         starts = self._rolling_slips(slips)
         if not self.resists:
             return starts
-        step = (
-            _START_WIDTH_FRACTION * (starts[:, 1] - starts[:, 0])
-            + _START_IDLE_FACTOR * self._max_idle_slip
-        )
+        # clearly outside: neither half nor twice of either number changes torques of 62 random bearings by more than
+        # 2e-14; more than the largest idle slip, because rollers slip more with a cage slip
+        step = 0.25 * (starts[:, 1] - starts[:, 0]) + 1.25 * self._max_idle_slip
         starts[:, 1] += step
         while True:
             torques, _ = self._torques(spins, np.repeat(starts[:, 1], self.positions))
@@ -743,7 +709,7 @@ class Motions:
             * self._lever
             * inertia
             * np.abs(bend).mean(axis=1)
-            / np.maximum(np.abs(torque), _MIN_TORQUE)
+            / np.maximum(np.abs(torque), np.finfo(float).tiny)
         )
         return found, multiplier, torque, np.where(is_periodic, 0.0, error)
 
