@@ -95,6 +95,17 @@ def tabulate_drags(
 
     The torque is a sum of coefficients times the leads of the inner and outer ring, a coefficient times the square of
     the cage speed, which also depends on the rolling speed, and a remainder over the cage speed; all over temperature.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene whose cage has the drags.
+    temperatures : ndarray of float, (n,)
+        Nodes of the temperature [K], even.
+    ranges : mapping
+        Lower and upper bound of the speeds of both rings [rad/s], by `OPERATION_KEYS`.
+    rolling : ndarray of float, (m,)
+        Nodes of the rolling speed [m/s], even in its logarithm.
     """
     top = max(abs(speed) for key in OPERATION_KEYS[2:] for speed in ranges[key])
     step = math.asinh(top / CAGE_SMALL) / (CAGE_NODES - 1)
@@ -133,6 +144,15 @@ def drag_errors(scene: "Scene", temperatures: Array, tables: DragTables) -> Arra
 
     It is that at random cage speeds between those of the rings, relative to all drags there or
     beside rings at rest at the largest speed.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene whose cage has the drags.
+    temperatures : ndarray of float, (n,)
+        Temperatures [K], also between the nodes of the tables.
+    tables : DragTables
+        The tables.
     """
     rng = np.random.default_rng(1)
     top = tables.cage_top

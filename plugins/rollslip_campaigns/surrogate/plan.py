@@ -296,7 +296,17 @@ def _speed_bounds(
 
 
 def drag_error(scene: Scene, ranges: Mapping[str, tuple[float, float]], rolling: Array) -> float:
-    """Return the relative error of the drags at the ends of the temperatures, tabulated over rolling speeds [m/s]."""
+    """Return the relative error of the drags at the ends of the temperatures, tabulated over rolling speeds [m/s].
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene whose cage has the drags.
+    ranges : mapping
+        Lower and upper bound of temperature and speeds of both rings, by `OPERATION_KEYS`.
+    rolling : ndarray of float, (n,)
+        Nodes of the rolling speed [m/s], even in its logarithm.
+    """
     ends = np.unique(ranges[OPERATION_KEYS[0]])
     tables = tabulate_drags(scene, ends, ranges, rolling)
     return float(drag_errors(scene, ends, tables).max())

@@ -634,6 +634,25 @@ def largest_ratio(
     return max(ratios)
 
 
+def acceptable_reserve(balance: CageTorques, slip: float) -> tuple[float, str]:
+    """Return the torque of the rollers over the drag at a slip [-], and its status; NaN where nothing drags the cage.
+
+    Parameters
+    ----------
+    balance : CageTorques
+        Torque balance of the bearing.
+    slip : float
+        Acceptable cage slip [-].
+    """
+    drag = -balance.drag(slip)
+    if not drag > 0.0:
+        return math.nan, f"nothing drags the cage at a slip of {slip:g}"
+    try:
+        return float(balance.torques(np.array([slip]))[0]) / drag, Status.FOUND
+    except (DomainError, ConvergenceError) as error:
+        return math.nan, str(error)
+
+
 def _ratio(balance: CageTorques, slip: float, torque: float = math.nan) -> float:
     """Return the ratio of torque and drags at a slip, 0 where nothing drives or drags; a torque of NaN is evaluated."""
     if math.isnan(torque):

@@ -67,12 +67,17 @@ from rollslip.search import Array, secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import RANGE, SLIP_FLOOR, TorqueBalance, torque_balance
+from rollslip_studies.motion.torque_balance import (
+    RANGE,
+    SLIP_FLOOR,
+    TorqueBalance,
+    acceptable_reserve,
+    torque_balance,
+)
 from rollslip_studies.steady_slip.evaluated import (
     slip_with_play,
     without_play,
 )
-from rollslip_studies.steady_slip.losses import acceptable_reserve
 from rollslip_studies.variation.choices import open_choices
 from rollslip_studies.variation.distributions import Uncertainty, read_uncertainty
 from rollslip_studies.variation.quantities import quantities

@@ -16,11 +16,10 @@ import numpy as np
 from rollslip.bearing.raceway import Array, LoadedContacts
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.dataset import about, xr
-from rollslip.results.text import Status
 from rollslip.studies.bounds import JOINT_FACTOR, MINIMUM_ERROR_FACTOR, richardson_factor
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
-from rollslip_studies.motion.torque_balance import CageTorques, Orbit, TorqueBalance
+from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance, acceptable_reserve
 from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
 from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
@@ -81,25 +80,6 @@ def loss_variables(
         ),
         **named,
     }
-
-
-def acceptable_reserve(balance: CageTorques, slip: float) -> tuple[float, str]:
-    """Return the torque of the rollers over the drag at a slip [-], and its status; NaN where nothing drags the cage.
-
-    Parameters
-    ----------
-    balance : CageTorques
-        Torque balance of the bearing.
-    slip : float
-        Acceptable cage slip [-].
-    """
-    drag = -balance.drag(slip)
-    if not drag > 0.0:
-        return math.nan, f"nothing drags the cage at a slip of {slip:g}"
-    try:
-        return float(balance.torques(np.array([slip]))[0]) / drag, Status.FOUND
-    except (DomainError, ConvergenceError) as error:
-        return math.nan, str(error)
 
 
 def estimate_answer_errors(

@@ -27,8 +27,7 @@ from rollslip_studies.motion.pockets import (
     relative_play,
     steady_slip_with_play,
 )
-from rollslip_studies.motion.torque_balance import TorqueBalance, largest_ratio
-from rollslip_studies.steady_slip.losses import acceptable_reserve
+from rollslip_studies.motion.torque_balance import TorqueBalance, acceptable_reserve, largest_ratio
 from rollslip_studies.steady_slip.minimum_load import load_from_known
 from rollslip_studies.steady_slip.outputs import OUTPUTS
 

@@ -55,6 +55,7 @@ from rollslip_studies.motion.torque_balance import (
     RANGE,
     Orbit,
     TorqueBalance,
+    acceptable_reserve,
     evaluate_on_branch,
     minimum_positions,
     reserve,
@@ -72,7 +73,6 @@ from rollslip_studies.steady_slip.evaluated import (
     without_play,
 )
 from rollslip_studies.steady_slip.losses import (
-    acceptable_reserve,
     estimate_answer_errors,
     loss_variables,
 )
