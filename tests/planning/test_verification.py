@@ -43,7 +43,7 @@ def plan():
 
 def comparison(resolution, **parts):
     """A comparison of a run with reference solutions, without its bearing."""
-    bearing = SimpleNamespace(resolution=resolution)
+    bearing = SimpleNamespace(resolution=resolution, slices=resolution.slices)
     bearing.at = lambda other: SimpleNamespace(resolution=other)
     study = SimpleNamespace(uses_continuation=False, compared_as_values=(), **parts)
     return _ReferenceComparison(
@@ -74,6 +74,64 @@ def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p,
     assert errors["friction"] == pytest.approx(change / (1.0 - (4 / 9) ** min(order, 2.0)))
     assert observed_order(4, 8, 4**-p, 8**-p) == pytest.approx(p)
     assert (4**-p - 9**-p) / richardson_factor(4, 9, p) == pytest.approx(4**-p)
+
+
+@pytest.mark.parametrize(("fraction", "is_observed"), [(0.2, False), (0.45, True)])
+def test_an_order_is_observed_where_an_error_is_not_clearly_below_its_tolerance(
+    fraction, is_observed, monkeypatch
+):
+    size = 1e-9  # of the error of one position
+
+    def solution(_, at, m, **options):
+        return np.array([[1.0 + size / m]]), np.zeros(0)
+
+    monkeypatch.setattr(_ReferenceComparison, "solution", solution)
+    run = comparison(Resolution(n_positions=4))
+    orders = {}
+    per_size = run.position_errors(run.assembly, orders)["friction"] / size
+    assert not orders
+    size = fraction * SCENE.accuracy.of("friction") / per_size
+    run.position_errors(run.assembly, orders)
+    assert bool(orders) == is_observed
+
+
+def test_errors_of_a_continued_curve_fall_with_the_first_order_at_least(monkeypatch):
+    """Of a curve that is as far off on two positions as on four, which by chance shows the order 0."""
+    monkeypatch.setattr(
+        _ReferenceComparison,
+        "solution",
+        lambda _, at, m, **__: (np.array([[1.0 + (0.5 if m <= 4 else 1.0 / m)]]), np.zeros(0)),
+    )
+    run = comparison(Resolution(n_positions=4))
+    run.study.uses_continuation = True
+    errors = run.position_errors(run.assembly, {})
+    change = (0.5 - 1 / 9) / (1.0 + 1 / 9)
+    assert errors["friction"] == pytest.approx(change / (1.0 - 4 / 9))
+
+
+@pytest.mark.parametrize(("fraction", "references"), [(0.1, 1), (0.25, 2)])
+def test_an_error_that_may_be_small_by_chance_is_compared_with_a_second_reference(
+    fraction, references
+):
+    found = []
+
+    def value_errors(finer, dataset):
+        found.append(finer)
+        return {"cage slip": size}
+
+    size = 1.0
+    run = comparison(
+        Resolution(slices=20, n_positions=3),
+        value_errors=value_errors,
+        is_averaged=False,
+        irreducible_errors={},
+    )
+    estimate = ErrorEstimate(errors={"slices": {}, "n_positions": {}})
+    (per_size,) = run._refined_errors(Resolution(slices=40, n_positions=7), {}, False).values()
+    size = fraction * SCENE.accuracy.of("cage slip") / per_size
+    found.clear()
+    run.with_joint_errors(estimate)
+    assert len(found) == references
 
 
 def test_a_run_on_one_position_has_no_coarser_one(monkeypatch):
