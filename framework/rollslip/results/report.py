@@ -41,7 +41,6 @@ from rollslip.results.style import GROUND, INK, adapting
 from rollslip.results.text import (
     capitalise,
     collect_warnings,
-    confidence,
     describe_case,
     describe_law_outputs,
     describe_more_bounds,
@@ -58,14 +57,9 @@ __all__ = ["is_report", "write_report"]
 Datasets: TypeAlias = "Mapping[str, xr.Dataset]"
 #: Attribute of any study -> its name in the table of numbers, and its unit.
 _NUMBERS: Final = {
-    "n_positions": ("roller positions within a pitch", ""),
-    "positions_error": ("relative error left by the roller positions, estimated", "1"),
-    "slices": ("slices of a roller", ""),
-    "slices_error": ("relative error left by the slices, estimated", "1"),
-    "force_residual": ("relative residual of the forces", "1"),
-    "moment_residual": ("relative residual of the moments", "1"),
+    "positions_error": ("error by roller positions", "1"),
+    "slices_error": ("error by slices", "1"),
     "evaluations": ("slices evaluated", ""),
-    "wall_time": ("wall time", "s"),
 }
 
 #: Width of a figure [pt] from which it takes the whole width of the page: figures of one column have 255 pt.
@@ -82,8 +76,14 @@ _FIRST_INPUTS: Final = {
     "lubrication.supply": "oil supply", "cage.make": "cage", "cage.guidance": "guided by",
 }  # fmt: skip
 
-#: Works that are cited in full, the first ones: the paper of the equations and rollslip. Others are a link and a file.
+#: Parts of a bearing whose temperature is that of the oil unless a scene gives it.
+_PARTS: Final = ("inner_ring", "outer_ring", "roller")
+
+#: Works that are cited on the page, the first ones: the paper of the equations and rollslip. A file has the others.
 _FULL_CITATIONS: Final = 2
+
+#: Details of a reason, which the page leaves out.
+_IN_BRACKETS: Final = re.compile(r" \([^()]*\)")
 
 #: A temperature in a sentence, which people write with the sign of a degree; a value in a command has quotes.
 _CELSIUS: Final = re.compile(r"(?<=\d) degC\b(?!['\"&])")
@@ -133,11 +133,11 @@ def write_report(
             _Section("Figures", "figures", drawings, folded=False),
             _Section("Warnings", "warnings", _warnings(datasets), folded=False),
             _Section("What was found", "findings", _findings(datasets), folded=bool(first.rows)),
-            _Section("What was modelled and what was left out", "plan", _plan(datasets)),
+            _Section("Modelled and left out", "plan", _plan(datasets)),
             _Section("Models", "models", _models(datasets)),
-            _Section("Input", "input", _input(datasets)),
-            _Section("Oil and contacts", "oil", _oil(datasets)),
-            _Section("Film regimes and load parameter", "regimes", _regimes(datasets)),
+            _Section("Input", "input", _input(datasets, with_answer=bool(first.rows))),
+            _Section("Oil and contacts", "oil", _oil(datasets, with_answer=bool(first.rows))),
+            _Section("Film regimes", "regimes", _regimes(datasets)),
             _Section("Numbers", "numbers", _numbers(datasets)),
             _Section("Provenance", "provenance", _provenance(datasets)),
             _Section("To be cited", "citations", _citations(datasets)),
@@ -154,10 +154,6 @@ def write_report(
                 verdict=_first_page(first, lead, datasets) if first.rows or first.verdict else "",
                 introduction="".join(
                     _tag("p", text) for _, text in _distinct(datasets, "description") if text
-                ),
-                contents="".join(
-                    f'<li><a href="#{section.key}">{section.heading}</a></li>'
-                    for section in sections
                 ),
                 sections="".join(section.html for section in sections),
             ),
@@ -202,25 +198,30 @@ def _first_page(first: Answer, lead: str, datasets: Datasets) -> str:
 
 
 def _warnings(datasets: Datasets) -> str:
-    """Return the most severe warnings, with all others, each once, folded below."""
+    """Return the most severe warnings, with all others, each once, folded below.
+
+    Of a note with a code the first page has the law and its range.
+    """
     first, more = collect_warnings(datasets.values())
+    notes = collect_notes(datasets.values())
+    short = {
+        note.text: f"{note.code}: {note.text.partition('; ')[2]}" for note in notes if note.code
+    }
+    body = _list(short.get(text, text) for text in first)
     if not more:
-        return _list(first)
-    notes = [note.text for note in collect_notes(datasets.values()) if note.text not in first]
+        return body
     summary = _tag("summary", describe_more_bounds(more).partition(":")[0])
-    return f"{_list(first)}<details>{summary}{_list(notes)}</details>"
+    rest = [short.get(note.text, note.text) for note in notes if note.text not in first]
+    return f"{body}<details>{summary}{_list(rest)}</details>"
 
 
 def _findings(datasets: Datasets) -> str:
-    """Return the findings of each dataset, and the confidence in them."""
+    """Return the findings of each dataset."""
     body = ""
     for name, dataset in datasets.items():
         parts = [*account_of(dataset).story(dataset), describe_law_outputs(dataset)]
         if text := "".join(_finding(part) for part in parts if part):
             body += _tag("h3", name) + text
-    level = confidence(datasets.values())
-    if level and body:
-        body += _tag("p", f"Confidence: {level}.")
     return body
 
 
@@ -230,7 +231,26 @@ def _finding(part: str | list[str] | Table) -> str:
         return html_table(part.head, part.rows, capitalise(part.caption))
     if isinstance(part, str):
         return _tag("p", capitalise(part))
-    return _list(f"{capitalise(text)}." for text in part)
+    return _list(f"{capitalise(text)}." for text in _merged(part))
+
+
+def _merged(sentences: Iterable[str]) -> list[str]:
+    """Return sentences in which curves with the same status, the part up to the first full stop, share it."""
+    by_status = dict[str, list[tuple[str, str]]]()
+    for sentence in sentences:
+        name, _, rest = sentence.partition(": ")
+        status, _, further = rest.partition(". ")
+        by_status.setdefault(status if further else sentence, []).append((name, further))
+    merged = []
+    for status, found in by_status.items():
+        common = {text.rpartition(" ")[0] for _, text in found}
+        if len(found) > 1 and len(common) == 1:
+            names = ", ".join(name for name, _ in found)
+            ends = ", ".join(f"{text.rpartition(' ')[2]} ({name})" for name, text in found)
+            merged.append(f"{names}: {status}. {common.pop()} {ends}")
+        else:
+            merged += [f"{name}: {status}. {text}" if text else status for name, text in found]
+    return merged
 
 
 def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, str, str]:
@@ -281,8 +301,8 @@ def _figure(svg: str, number: int, name: str) -> str:
 def _plan(datasets: Datasets) -> str:
     """Return the lines of the plan, errors and times.
 
-    Lines of several studies are shown once. Models are in a section of their own, and ``rollslip plan -v`` prints the
-    reasons.
+    Lines of several studies are shown once. Models are in a section of their own, and ``rollslip plan -v`` prints all
+    of the reasons.
     """
     kinds = {model["kind"] for _, models in _per_study(datasets, "models") for model in models}
     body = ""
@@ -290,47 +310,48 @@ def _plan(datasets: Datasets) -> str:
         ("Modelled", True, "resolution"),
         ("Left out", False, "reason"),
     ):
-        rows = dict[tuple[str, ...], list[str]]()
+        rows = dict[tuple[str, str], dict[str, list[str]]]()
         for name, dataset in datasets.items():
             for part in json.loads(dataset.attrs.get("plan", "[]")):
-                texts = (part["part"], part["choice"], part[last])
-                if part["included"] is included and part["part"] not in kinds and any(texts[1:]):
-                    rows.setdefault(texts, []).append(name)
+                key = part["part"], part["choice"]
+                text = (
+                    part[last]
+                    if included
+                    else _first_sentence(_IN_BRACKETS.sub("", part[last])).rstrip(";")
+                )
+                if part["included"] is included and part["part"] not in kinds and (key[1] or text):
+                    rows.setdefault(key, {}).setdefault(text, []).append(name)
         table = [
-            [*texts, "" if len(names) == len(datasets) else ", ".join(names)]
-            for texts, names in rows.items()
+            [
+                *key,
+                [
+                    text if len(names) == len(datasets) else f"{text} ({', '.join(names)})"
+                    for text, names in texts.items()
+                ],
+            ]
+            for key, texts in rows.items()
         ]
-        heads = ("part", "choice", {"reason": "why"}.get(last, last), "only in")
+        heads = ("part", "choice", {"reason": "why"}.get(last, last))
         body += html_table(heads, table, caption)
     return body + _accuracy(datasets)
 
 
 def _accuracy(datasets: Datasets) -> str:
     """Return the errors against their tolerances, and the times of the processor."""
-    body = ""
-    for heading, rows in _per_study(datasets, "accuracy"):
-        body += heading + html_table(
-            ("result", "tolerance", "estimated error", "error", "found"),
-            [
-                [
-                    row["result"].replace("_", " "),
-                    f"{row['tolerance']:g}",
-                    *(
-                        "-" if row[which] is None else f"{row[which]:.1e}"
-                        for which in ("estimated", "found")
-                    ),
-                    row["how"],
-                ]
-                for row in rows
-            ],
-            "Whether the errors keep their tolerances",
-        )
-    for heading, cost in _per_study(datasets, "cost"):
-        actual, estimated = (
-            format_quantity(cost[which], "s", 2) for which in ("actual", "estimated")
-        )
-        body += f"{heading}<p>Time of the processor: {actual}, estimated {estimated}.</p>"
-    return body
+    errors = list[list[str]]()
+    for name, rows in _named(datasets, "accuracy"):
+        errors += [[name.strip(" ()"), "", "", ""]] * bool(name)
+        for row in rows:
+            known = (
+                "" if row[key] is None else f"{row[key]:.1e}" for key in ("estimated", "found")
+            )
+            errors.append([row["result"].replace("_", " "), f"{row['tolerance']:g}", *known])
+    body = html_table(("error", "tolerance", "estimated before", "found"), errors)
+    times = "; ".join(
+        f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}{name}"
+        for name, cost in _named(datasets, "cost")
+    )
+    return body + (_tag("p", f"Time of the processor: {times}.") if times else "")
 
 
 def _models(datasets: Datasets) -> str:
@@ -342,8 +363,8 @@ def _models(datasets: Datasets) -> str:
             [
                 [
                     m["kind"],
-                    [m["name"], f"{m['package']} {m['version']}"],
-                    m["parameters"],
+                    [m["name"], *_third_party(m)],
+                    m["parameters"] if not m["parameters"].endswith("()") else "",
                 ]
                 for m in models
             ],
@@ -352,18 +373,32 @@ def _models(datasets: Datasets) -> str:
     )
 
 
-def _input(datasets: Datasets) -> str:
-    """Return the keys of the resolved scene that differ from their defaults, and the scene as files."""
+def _third_party(model: Mapping[str, str]) -> list[str]:
+    """Return package and version of a model, which are those of rollslip for its own."""
+    return [f"{model['package']} {model['version']}"] * (model["package"] != "rollslip")
+
+
+def _input(datasets: Datasets, *, with_answer: bool) -> str:
+    """Return the keys of the resolved scene that differ from their defaults, and the scene as files.
+
+    The models are in a section of their own. Some keys stand on the first page, if there is one with an answer,
+    where other parts have the temperature of the oil unless they are listed.
+    """
     body = ""
     for heading, scene in _per_study(datasets, "scene_resolved"):
         known = _known_keys(scene.get("study", {}))
+        operation = scene.get("operation", {})
+        of_oil = [
+            (f"operation.{part}_temperature", operation.get("temperature")) for part in _PARTS
+        ]
         rows = [
             [key, text]
             for key, value in _flat(
-                {k: v for k, v in scene.items() if k not in ("title", "description")}
+                {k: v for k, v in scene.items() if k not in ("title", "description", "models")}
             )
             for unit, default in [known.get(key, ("", ""))]
             if (text := _value(value, unit)) != default
+            and not (with_answer and (key in _FIRST_INPUTS or (key, value) in of_oil))
         ]
         body += heading + html_table(("key", "value"), rows)
         body += _download("all keys with their values", "scene.json", json.dumps(scene, indent=1))
@@ -394,8 +429,11 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
             yield prefix + key, value
 
 
-def _oil(datasets: Datasets) -> str:
-    """Return oil, named data, clearance and the conditions of the contacts."""
+def _oil(datasets: Datasets, *, with_answer: bool) -> str:
+    """Return oil, named data, clearance, and a file with the conditions of the contacts.
+
+    The clearance stands on the first page, if there is one with an answer.
+    """
     body = ""
     for heading, oil in _per_study(datasets, "lubricant"):
         body += heading + _tag("p", f"Oil {oil['name']}. {_first_sentence(oil['source'] or '')}")
@@ -405,16 +443,21 @@ def _oil(datasets: Datasets) -> str:
             body += _tag("p", f"Data quality, A printed to D estimated: {each}.")
     for heading, items in _per_study(datasets, "data"):
         for item in items:
-            name = f"{item['kind'].capitalize()} {item['name']}"
+            grades = ", ".join(sorted(set(item.get("grades", {}).values())))
+            name = f"{item['kind'].capitalize()} {item['name']}" + (
+                f" ({grades})" if grades else ""
+            )
             body += heading + _tag("p", f"{name}. {_first_sentence(item['source'])}")
-    for heading, clearance in _per_study(datasets, "clearance"):
+    for heading, clearance in [] if with_answer else _per_study(datasets, "clearance"):
         body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
     for heading, rings in _per_study(datasets, "conditions"):
-        rows = [
-            [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]
-            for key, (unit, meaning) in CONDITIONS.items()
-        ]
-        body += heading + html_table(("quantity", *(f"{ring} ring" for ring in rings)), rows)
+        lines = [", ".join(("quantity", *(f"{ring} ring" for ring in rings)))]
+        for key, (unit, meaning) in CONDITIONS.items():
+            values = [_value(conditions.get(key), unit) for conditions in rings.values()]
+            lines.append(", ".join((meaning, *values)))
+        body += heading + _download(
+            "steel and oil in the contacts", "contacts.txt", "\n".join(lines)
+        )
     return body
 
 
@@ -462,11 +505,9 @@ def _numbers(datasets: Datasets) -> str:
         [
             label,
             *(
-                _value(
-                    dataset.attrs.get(key) if key in _NUMBERS or key in numbers[name] else None,
-                    unit,
-                    digits=3,
-                )
+                _value(dataset.attrs[key], unit, digits=3)
+                if key in dataset.attrs and (key in _NUMBERS or key in numbers[name])
+                else ""
                 for name, dataset in datasets.items()
             ),
         ]
@@ -495,30 +536,31 @@ def _provenance(datasets: Datasets) -> str:
     ]
     body = html_table(("", "value"), rows)
     for heading, packages in _per_study(datasets, "packages"):
-        body += heading + html_table(("package", "version"), list(map(list, packages.items())))
+        body += heading + _tag(
+            "p", ", ".join(f"{name} {version}" for name, version in packages.items())
+        )
     return body
 
 
 def _citations(datasets: Datasets) -> str:
-    """Return what is to be cited: the first works in full, all with author, year and a link, and as BibTeX."""
+    """Return what is to be cited: the first works in full with a link, and files with all works."""
     works = citations_of(*datasets.values())
     if not works:
         return ""
-    others = ", ".join(map(_short_citation, works))
+    first = "".join(f"<li>{_full_citation(work)}</li>" for work in works[:_FULL_CITATIONS])
     return (
-        f"{_list(works[:_FULL_CITATIONS])}<p>All works: {others}.</p>"
-        + _download("all works in full", "references.txt", "\n".join(map(str, works)))
-        + (_download("all works as BibTeX", "references.bib", as_bibtex(works)))
+        f"<ul>{first}</ul>"
+        + _download(f"all {len(works)} works", "references.txt", "\n".join(map(str, works)))
+        + (_download("as BibTeX", "references.bib", as_bibtex(works)))
     )
 
 
-def _short_citation(work: Citation) -> str:
-    """Return the first author and the year of a work, with its DOI as a link."""
-    if isinstance(work, str):
-        return escape(work)
-    name = work.authors[0].partition(",")[0] if work.authors else work.number or work.title
-    text = escape(f"{name} {work.year or ''}".strip())
-    return f'<a href="{escape(work.link)}">{text}</a>' if work.doi else text
+def _full_citation(work: Citation) -> str:
+    """Return a work in full, as a link where it has a DOI."""
+    text = escape(str(work))
+    if isinstance(work, str) or not work.doi:
+        return text
+    return f'<a href="{escape(work.link)}">{text}</a>'
 
 
 # Shared by sections --------------------------------------------------------------------------------------------------
@@ -540,6 +582,15 @@ def _per_study(
     values = _distinct(datasets, attribute)
     return [
         (_tag("h3", ", ".join(names)) if len(values) > 1 else "", read(value))
+        for names, value in values
+    ]
+
+
+def _named(datasets: Datasets, attribute: str) -> list[tuple[str, Any]]:
+    """Return the different values of an attribute, each after the names of its datasets in brackets if they differ."""
+    values = _distinct(datasets, attribute)
+    return [
+        (f" ({', '.join(names)})" if len(values) > 1 else "", json.loads(value))
         for names, value in values
     ]
 
@@ -605,8 +656,6 @@ a { color: var(--link); }
 .answer.ok strong { background: #7bc47f; } .answer.skids strong { color: #fff; background: #b42318; }
 .answer.unknown strong { color: #fff; background: #86198f; } .answer .marked td { font-weight: 600; }
 .given { display: grid; grid-template-columns: minmax(0, 30rem) minmax(0, 1fr); gap: 0 2.5rem; margin-top: 1rem; }
-nav ul { display: flex; flex-wrap: wrap; gap: .1rem 1.25rem; padding: 0; list-style: none; max-width: none; }
-nav a { display: inline-block; padding: .2rem 0; }
 #warnings { margin-top: 2rem; padding: .75rem 1.25rem; border-left: .4rem solid var(--alarm);
   background: var(--alarm-tint); }
 #warnings h2 { margin: 0; border: 0; color: var(--alarm); }
@@ -650,7 +699,7 @@ pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem
   td[data-of]:not([data-of=""])::before { content: attr(data-of) ": "; color: var(--quiet); }
 }
 @page { size: A4; margin: 12mm 15mm; }
-@media print { body { padding: 0; max-width: none; font-size: 10pt; line-height: 1.35; } nav { display: none; }
+@media print { body { padding: 0; max-width: none; font-size: 10pt; line-height: 1.35; }
   .first:has(.answer) { break-after: page; } section:has(> details:not([open])) { display: none; }
   .given { grid-template-columns: 92mm minmax(0, 1fr); gap: 0 8mm; }
   .first td, .first th { padding: .7mm 2mm .7mm 0; } .first figcaption { font-size: 8pt; }
@@ -686,7 +735,6 @@ _PAGE: Final = Template(
 $verdict
 </div>
 $introduction
-<nav aria-label="Contents"><ul>$contents</ul></nav>
 </header>
 <main>
 $sections</main>

@@ -643,10 +643,8 @@ class SteadySlipAccount(Account):
     """Account of study steady-slip."""
 
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
-        "inertia_effect": ("relative effect of the inertia of the rollers' spin", "1"),
-        "curve_error": ("relative error left by the points of the slip-drag curve, estimated", "1"),
-        "rollers_weight": ("weight of all rollers, which the balance of loads leaves out", "N"),
-        "friction": ("friction of the motion", ""),
+        "curve_error": ("error by the points of the slip-drag curve", "1"),
+        "rollers_weight": ("weight of all rollers, not in their loads", "N"),
     }
     units: ClassVar[Mapping[str, str]] = {"cage_slip": "1", "losses": "W"}
 

@@ -478,7 +478,9 @@ class Heated:
         """
         from scipy.optimize import brentq, minimize_scalar
 
-        known = dict(zip(curve.temperature.tolist(), curve.excess.tolist(), strict=True))
+        known: dict[float, float] = dict(
+            zip(curve.temperature.tolist(), curve.excess.tolist(), strict=True)
+        )
 
         def excess(leading: float) -> float:
             if leading in known:
@@ -590,7 +592,9 @@ class Heated:
             flow = next_flow
             jacobian += np.outer(flow, step) / (step @ step)
         growth = float(
-            np.linalg.eigvals(self._jacobian(T, self.inflows) / self.model.capacities()[:, None]).real.max()
+            np.linalg.eigvals(
+                self._jacobian(T, self.inflows) / self.model.capacities()[:, None]
+            ).real.max()
         )
         carried = sum(self.model.carried_away(T).values())
         total_loss = self._total_loss(T)
@@ -725,7 +729,9 @@ class _Scan:
         for k, (left, right) in enumerate(itertools.pairwise(values)):
             if np.isfinite(left) != np.isfinite(right) or left * right <= 0.0:
                 features.update(grid[k : k + 2])
-        for k, (left, middle, right) in enumerate(zip(values, values[1:], values[2:], strict=False)):
+        for k, (left, middle, right) in enumerate(
+            zip(values, values[1:], values[2:], strict=False)
+        ):
             if (middle - left) * (right - middle) <= 0.0:
                 features.update(grid[k : k + 3])
         return features
