@@ -48,6 +48,15 @@ def result():
     return measured()
 
 
+def test_its_slip_is_that_of_a_steady_slip_with_play(result):
+    steady = run(SCENE, "steady-slip")
+    assert result.slip.item() == pytest.approx(steady.steady_slip[0].item(), rel=1e-3)
+    assert result.slip_without_play.item() == pytest.approx(
+        steady.slip_without_play.item(), rel=5e-3
+    )
+    assert result.slip > 1.01 * result.slip_without_play
+
+
 @pytest.mark.parametrize("profile", ["none", "iso16281"])
 @pytest.mark.parametrize("slip", [0.03, 0.4])
 def test_power_over_all_contacts_is_what_the_bearing_loses_by_sliding(profile, slip):

@@ -7,12 +7,27 @@ from rollslip.results.text import Status, percent, precise_percent
 from rollslip.units import format_quantity
 
 
+def play_note(slip: float, without: float, status: str) -> str:
+    """Return what the play in the pockets does to a slip, in a few words; empty where both are printed alike.
+
+    Parameters
+    ----------
+    slip, without : float
+        Cage slip with play, and that of rollers set in the cage.
+    status : str
+        What was found of the play.
+    """
+    if Status.of(status) in (Status.NOT_KNOWN, Status.NO_STEADY_SLIP):
+        return status
+    return f"without play {percent(without)}" if percent(without) != percent(slip) else ""
+
+
 def slip_without_play(dataset: "xr.Dataset") -> str:
     """Return the slip of rollers set in the cage where it is printed otherwise than that with play; else empty."""
     if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:
         return ""
-    slip = percent(float(dataset["slip_without_play"]))
-    return f"without play {slip}" if slip != percent(float(dataset["steady_slip"][0])) else ""
+    without = float(dataset["slip_without_play"])
+    return play_note(float(dataset["steady_slip"][0]), without, Status.FOUND)
 
 
 def assumed_without_play(dataset: "xr.Dataset") -> tuple[str, ...]:

@@ -530,6 +530,19 @@ class SteadySlip(Study):
         slips = [motion.slip for motion in motions]
         return balance, motions, describe_steady_status(balance, branch, slips)
 
+    def with_play(self, assembly: Assembly, slip: float) -> tuple[float, str]:
+        """Return the smallest steady slip with play in the pockets, and what was found of it; see `Play`.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        slip : float
+            Its smallest steady slip of rollers set in the cage; NaN without one.
+        """
+        play = self._play(self.balance(assembly.with_resistance()), [slip])
+        return play.slips([slip])[0], play.status or play.found.status
+
     def balance(self, assembly: Assembly) -> TorqueBalance:
         """Return the torque balance of a bearing at its number of roller positions."""
         return self._balance(

@@ -11,6 +11,7 @@ from rollslip.results.curves import json_value, or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.play_findings import play_note
 
 #: Unit of a measure that is a difference of temperatures, printed in K.
 RISE = "K, a difference"
@@ -84,7 +85,8 @@ def _describe(measure: "xr.Dataset") -> list[str]:
     bound = "at most" if measure["sense"].item() == "largest" else "down to"
     slip = "along the motion"
     if "slip" in measure:
-        slip = f"at a cage slip of {100.0 * float(measure['slip']):.3g} %, without play in the pockets,"
+        note = _play_note(measure)
+        slip = f"at a cage slip of {100.0 * float(measure['slip']):.3g} %{f', {note},' if note else ''}"
     sentences = [f"the {meaning}: {text}" for text in missing]
     if known:
         values = ", and ".join(known)
@@ -112,6 +114,14 @@ def _describe_limit(measure: "xr.Dataset") -> str:
     if math.isnan(limit):
         return str(source)
     return f"its limit is {format_value(limit, str(measure['unit'].item()))} ({source})"
+
+
+def _play_note(dataset: "xr.Dataset") -> str:
+    """Return what the play in the pockets does to the steady slip; that it has none without the play."""
+    if "play_status" not in dataset:
+        return "without play in the pockets"
+    without = float(dataset["slip_without_play"])
+    return play_note(float(dataset["slip"]), without, str(dataset["play_status"].item()))
 
 
 def rows(dataset: "xr.Dataset") -> tuple[Row, ...]:
@@ -201,7 +211,7 @@ class SurfaceDamageAccount(Account):
             label="cage slip there",
             value=slip,
             text="not found" if status else percent(slip),
-            note=status or "without play in the pockets",
+            note=status or _play_note(dataset),
         )
         summary = "no damage measured: no steady cage slip"
         if not status:

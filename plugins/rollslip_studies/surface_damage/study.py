@@ -7,6 +7,7 @@
   value is that of a parabola through the worst slice and its neighbours.
 """
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
@@ -98,6 +99,10 @@ class SurfaceDamage(Study):
                 "measure ring place", OWN, "value across the worst contact", status="worst_status"
             ),
             "slip": Output("", "1", "cage slip at which damage is measured", status="status"),
+            "slip_without_play": Output(
+                "", "1", "slip of rollers set in the cage that carry the same drag", status="status"
+            ),
+            "play_status": Output("", "1", "what was found of rollers with play in their pockets"),
             "status": Output("", "1", "status of the slip"),
         }
     )
@@ -127,7 +132,9 @@ class SurfaceDamage(Study):
     @property
     def _steady(self) -> SteadySlip:
         """Study that finds the steady slip."""
-        return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
+        return SteadySlip(
+            max_cage_slip=self.max_cage_slip, inertia=self.inertia, acceptable_slip=None
+        )
 
     def choose_resolution(
         self, assembly: Assembly, *, cheaper_laws: bool = True
@@ -266,7 +273,7 @@ class SurfaceDamage(Study):
         dataset : xarray.Dataset
             The result.
         """
-        slip = float(dataset["slip"])
+        slip = float(dataset.get("slip_without_play", dataset["slip"]))
         if not np.isfinite(slip):
             return []
         balance = self._steady.balance(assembly)
@@ -309,6 +316,31 @@ class SurfaceDamage(Study):
             orbit = balance.orbit_from_motion(steady[0].motion)
         return self._dataset(
             assembly, measures, orbit.cage_slip, Status.FOUND, balance.evaluate_contacts(orbit)
+        )
+
+    def completed(self, assembly: Assembly, dataset: "xr.Dataset") -> "xr.Dataset":
+        """Return the result with the steady slip with play in the pockets, as that of `SteadySlip`.
+
+        Measures are those of rollers set in the cage at the slip at which these carry the same drag.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing of the result.
+        dataset : Dataset
+            The result of `run`.
+        """
+        without = float(dataset["slip"])
+        if self.cage_slip is not None or math.isnan(without):
+            return dataset
+        slip, play_status = self._steady.with_play(assembly, without)
+        return dataset.assign(
+            self.variables(
+                slip=slip,
+                slip_without_play=without,
+                play_status=str(play_status),
+                status=play_status if math.isnan(slip) else str(Status.FOUND),
+            )
         )
 
     def _dataset(

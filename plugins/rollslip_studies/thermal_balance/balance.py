@@ -4,16 +4,17 @@ Temperatures change viscosity, and clearance where the thermal model has it; the
 and the losses, which heat the nodes of the model. Nodes need minutes, a slip seconds and a film milliseconds, so the
 slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 
-1. Fix the temperature of the leading node at each point of a grid, at a coarse resolution; repeat this at that of the run
-   beside zeros, ends and extrema. The coarse excess heat was off by up to 0.25 % of the losses in two scenes. Find those of the other nodes, which follow, by
-   fixed-point iteration with Anderson's acceleration of depth 1; if it does not converge, by Powell's method.
+1. Fix the temperature of the leading node at each point of a grid. Find those of the other nodes, which follow, by
+   fixed-point iteration with Anderson's acceleration of depth 1; if it does not converge, by Powell's method. Slices
+   and roller positions are coarse, and those of the run beside zeros, ends and extrema. In scenes gearbox and turbine
+   the coarse excess heat was off by up to 0.25 % of the losses.
 2. The heat that the leading node then gains is the *excess heat*, a function of its temperature.
 3. Omit single points at which a search did not converge. Bisect between a point with and one without a steady slip:
    there the curve ends.
 4. Search a pair of zeros between points by minimising |excess heat| where it has an extremum near zero (Brent).
 5. Find each zero by Brent's method; an interval in which the steady slip ends holds a jump, not a zero.
-6. Refine each balance on all nodes by Broyden's method, from the derivatives of the cooling alone. It is stable if all eigenvalues of C^-1 dH/dT are negative, with
-   the losses in the heat flows H.
+6. Refine each balance on all nodes by Broyden's method, from the derivatives of the cooling alone. It is stable if all
+   eigenvalues of C^-1 dH/dT are negative, with the losses in the heat flows H.
 7. The limit is the minimum of the excess heat above the coldest stable balance: the limit point (fold) at which no
    balance is left if heat is added. Where the curve ends first, the cage skids: a limit of the film, not of the bulk.
 """
@@ -40,7 +41,8 @@ __all__ = ["Balance", "Curve", "Heated", "State"]
 #: Tolerance of the temperatures of the nodes that follow, and of a zero of the curve [K]. Broyden's method refines
 #: balances after that. Halving it costs about one more iteration at each point. Chosen.
 _TEMPERATURE_TOLERANCE: Final = 1e-2
-#: Tolerance of temperatures near a balance [K], at which a resolution is chosen. Chosen: a viscosity changes by a tenth.
+#: Tolerance of temperatures near a balance [K], at which a resolution is chosen. Chosen: a viscosity
+#: changes by a tenth.
 _NEAR_BALANCE: Final = 2.0
 #: Maximum number of iterations, of the fixed-point iteration and of Broyden's method. Chosen: converging ones need 3 to
 #: 10.
@@ -237,6 +239,19 @@ class Heated:
             like=self.assembly,
         )
         return bearing.with_bounds(*self.assembly.inner.chain.bounds).with_resistance()
+
+    def with_play(self, temperatures: Array, slip: float) -> tuple[float, str]:
+        """Return the slip with play in the pockets, and what was found of the play.
+
+        Parameters
+        ----------
+        temperatures : ndarray, shape (n,)
+            Temperatures of the nodes [K]; empty for those of the scene.
+        slip : float
+            Steady cage slip of rollers set in the cage there; NaN without one.
+        """
+        changes = self.model.changes(temperatures, self.scene) if temperatures.size else {}
+        return self._study.with_play(self._bearing(changes), slip)
 
     def relative_errors(
         self, temperatures: Array | None, slip: float, loss: float
@@ -437,7 +452,7 @@ class Heated:
         grid = scan.sample_grid(lowest, highest, points, first=first)
         if coarse is not None:
             self.evaluations += coarse.evaluations
-            self._found += coarse._found  # noqa: SLF001 - of the same class: likely slips
+            self._found += coarse._found  # likely slips
             scan = attrs.evolve(scan, heated=self)
             scan.sample_features(grid)
         refused = scan.refused

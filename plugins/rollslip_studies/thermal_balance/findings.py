@@ -14,6 +14,7 @@ from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
+from rollslip_studies.steady_slip.play_findings import play_note
 
 #: Command for temperatures that follow from the losses.
 _NEXT_OF_GIVEN: Final = "rollslip run {scene} --study thermal-balance --set models.thermal=network"
@@ -178,8 +179,8 @@ class ThermalBalanceAccount(Account):
                     key="cage_slip_in_balance",
                     label="cage slip at these temperatures",
                     value=slip,
-                    text=percent(slip),
-                    note="without play in the pockets",
+                    text="none" if math.isnan(slip) else percent(slip),
+                    note=_play_note(coldest),
                 ),
                 *_margin_rows(dataset, str(names[0])),
                 attrs.evolve(given, note=_others(dataset, coldest) or given.note),
@@ -227,7 +228,7 @@ class ThermalBalanceAccount(Account):
                 ),
             }
             for balance in all_balances(dataset)
-            if math.isfinite(float(balance["steady_slip"]))
+            if math.isfinite(float(balance["temperature"][0]))
         ]
         return (
             {"balances": balances}
@@ -273,6 +274,19 @@ def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> str:
     return f"others {act} it: by itself the bearing settles at {_degrees(alone)}"
 
 
+def _play_note(balance: "xr.Dataset") -> str:
+    """Return what the play in the pockets does to the slip of a balance; that it has none without the play."""
+    if "play_status" not in balance:
+        return "without play in the pockets"
+    without = float(balance["slip_without_play"])
+    return play_note(float(balance["steady_slip"]), without, str(balance["play_status"].item()))
+
+
+def _clause(note: str) -> str:
+    """Return a note as a further clause of a sentence; empty without one."""
+    return f", {note}" if note else ""
+
+
 def _balances(dataset: "xr.Dataset") -> list[str]:
     """Return the balances as sentences."""
     status = str(dataset["status"].item())
@@ -289,7 +303,7 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
         sentences.append(
             f"heat is in balance at {temperatures} "
             f"({balance['stability'].item()}): {_watt(loss)} are lost, {_sinks(balance)}; the cage slip is "
-            f"{100.0 * float(balance['steady_slip']):.3g} %{given}, without play in the pockets"
+            f"{100.0 * float(balance['steady_slip']):.3g} %{given}{_clause(_play_note(balance))}"
         )
     if (jumps := str(dataset["jumps"].item())) != NO_JUMPS:
         sentences.append(jumps)

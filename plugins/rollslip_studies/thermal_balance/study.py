@@ -7,7 +7,7 @@ The method is that of `rollslip_studies.thermal_balance.balance`.
 
 import json
 from collections.abc import Mapping
-from functools import partial
+from functools import cache, partial
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
@@ -17,7 +17,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
-from rollslip.fields import at_least, in_range, non_negative, parameter, positive
+from rollslip.fields import at_least, choice_of, in_range, non_negative, parameter, positive
 from rollslip.results.dataset import about, xr
 from rollslip.results.text import Status
 from rollslip.scene.changes import evolve
@@ -69,8 +69,12 @@ class ThermalBalance(Study):
                 "fastest growth of a disturbance of the temperatures",
                 status="status",
             ),
-            "steady_slip": Output(
+            "steady_slip": Output("balance", "1", "steady cage slip", status="status"),
+            "slip_without_play": Output(
                 "balance", "1", "steady cage slip of rollers set in the cage", status="status"
+            ),
+            "play_status": Output(
+                "balance", "1", "what was found of rollers with play in their pockets"
             ),
             "loss": Output("source balance", "W", "power lost to friction", status="status"),
             "carried_away": Output(
@@ -129,7 +133,10 @@ class ThermalBalance(Study):
                 "time node", "K", "bulk temperature over time", status="course_status"
             ),
             "course_slip": Output(
-                "time", "1", "steady cage slip over time", status="course_status"
+                "time",
+                "1",
+                "steady cage slip over time of rollers set in the cage",
+                status="course_status",
             ),
             "course_status": Output("", "1", "how the course of the temperatures ended"),
         }
@@ -171,11 +178,18 @@ class ThermalBalance(Study):
     inertia: bool = parameter(
         default=True, doc="whether the spin of a roller has inertia along the orbit"
     )
+    pockets: str = parameter(
+        default="play",
+        doc="rollers in their pockets for the slips: with the play of the cage, or set in it",
+        validator=choice_of("play", "set"),
+    )
 
     @property
     def _steady(self) -> SteadySlip:
         """Study that finds the steady slip at each temperature."""
-        return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
+        return SteadySlip(
+            max_cage_slip=self.max_cage_slip, inertia=self.inertia, acceptable_slip=None
+        )
 
     @staticmethod
     def _model(assembly: Assembly) -> ThermalModel:
@@ -223,10 +237,12 @@ class ThermalBalance(Study):
         return {"run": again + states * sum(seconds) / len(seconds)}
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
-        """Return the steady slip of the coldest stable balance."""
+        """Return the steady slip of the coldest stable balance, of rollers set in the cage."""
+        slip = dataset["stationary_slip"]
         return {
             "steady cage slip": ComparedValues(
-                [[float(dataset["stationary_slip"])]], str(dataset["stationary_status"].item())
+                [[slip.attrs.get("without_play", float(slip))]],
+                str(dataset["stationary_status"].item()),
             )
         }
 
@@ -234,11 +250,12 @@ class ThermalBalance(Study):
         """Return the study without the course over time, or the study of the coldest stable balance alone."""
         if outputs >= self.outputs.keys() - _STATIONARY_OUTPUTS:
             return _ColdestBalance(**attrs.asdict(self) | {"duration": 0.0})
-        return (
-            self.with_settings(duration=0.0)
-            if outputs >= {"course_temperature", "course_slip"}
-            else self
-        )
+        dropped: dict[str, object] = {}
+        if outputs >= {"course_temperature", "course_slip"}:
+            dropped["duration"] = 0.0
+        if outputs >= {"steady_slip", "stationary_slip", "given_slip"}:
+            dropped["pockets"] = "set"
+        return self.with_settings(**dropped) if dropped else self
 
     def value_errors(self, finer: Assembly, dataset: "xr.Dataset") -> dict[str, float]:
         """Return the relative errors of slip and losses at the stationary temperatures, by a finer bearing.
@@ -323,6 +340,43 @@ class ThermalBalance(Study):
                 "taken_from_bearing": json.dumps(from_bearing(assembly.scene, model)),
             },
         )
+
+    def completed(self, assembly: Assembly, dataset: "xr.Dataset") -> "xr.Dataset":
+        """Return the result with slips with play in the pockets, as those of `SteadySlip`.
+
+        The losses are those of rollers set in the cage at the slip at which these carry the same drag.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing of the result.
+        dataset : Dataset
+            The result of `run`.
+        """
+        if self.pockets == "set":
+            return dataset
+        heated = Heated(assembly, self._model(assembly), self._steady)
+
+        @cache
+        def with_play(slip: float, *temperatures: float) -> tuple[float, str]:
+            return heated.with_play(np.array(temperatures), slip)
+
+        stationary = dataset["stationary_slip"]
+        T = dataset["stationary_temperature"].to_numpy() if heated.model.nodes else ()
+        slips: dict[str, Any] = {"stationary_slip": with_play(float(stationary), *T)[0]}
+        if "steady_slip" in dataset:
+            without = dataset["steady_slip"].to_numpy()
+            states = dataset["temperature"].to_numpy().T if heated.model.nodes else [()]
+            found = [with_play(slip, *T) for slip, T in zip(without, states, strict=True)]
+            slips |= {
+                "given_slip": with_play(float(dataset["given_slip"]))[0],
+                "steady_slip": np.array([slip for slip, _ in found]),
+                "slip_without_play": without,
+                "play_status": np.array([str(status) for _, status in found]),
+            }
+        changed = self.variables(**slips)
+        changed["stationary_slip"][-1].update(stationary.attrs, without_play=float(stationary))
+        return dataset.assign(changed)
 
     def _given_temperatures(
         self, given: State, temperatures: "np.ndarray[Any, Any]"
