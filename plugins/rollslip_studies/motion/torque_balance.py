@@ -30,10 +30,15 @@ from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.answer import SKIDDING_SLIP
-from rollslip.results.text import Status
+from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
-from rollslip_studies.motion.loading_branch import SEARCH, LoadingBranch, find_loading_branch
+from rollslip_studies.motion.loading_branch import (
+    SEARCH,
+    LoadingBranch,
+    SteadyMotion,
+    find_loading_branch,
+)
 from rollslip_studies.motion.spins import (
     ConventionalFriction,
     Motion,
@@ -81,6 +86,9 @@ _NEARLY_STILL: Final = 0.94
 #: Largest slip of a loading branch unless a larger range is requested: there the cage nearly stands still. Chosen;
 #: with twice the distance from 1, a slip of 0.9, limit drags at larger slips would be missed.
 RANGE: Final = 0.95
+#: Slip over a likely one up to which a loading branch is searched first. Twice as much searches three more steps of the
+#: grid; half as much searches the whole range more often. Chosen.
+_LIKELY_RANGE: Final = 3.0
 #: Slip in place of that of a cage which rolls or is driven: a search with play begins at half of it, and a band takes
 #: its logarithm. Half or twice as much moves bounds below 0.1 %, which are printed without a number, and no slip with
 #: play of gearbox from 1 to 30 kN by more than 1e-4.
@@ -165,6 +173,27 @@ class TorqueBalance:
                 self._reduced_motions, max_slip, self.motions
             )
         return self._branches[max_slip]
+
+    def steady_motions(
+        self, max_slip: float, likely_slip: float
+    ) -> tuple[LoadingBranch, list[SteadyMotion]]:
+        """Return the loading branch, as far as it was searched, and its steady motions with the drags.
+
+        Parameters
+        ----------
+        max_slip : float
+            Largest cage slip.
+        likely_slip : float
+            Slip of a similar bearing: the branch is searched up to a multiple of it, and beyond that only if it has no
+            stable motion there.
+        """
+        near = min(_LIKELY_RANGE * max(abs(likely_slip), SMALLEST_SLIP), max_slip)
+        branch = self.loading_branch(near)
+        motions = branch.find_steady_motions(self.drag)
+        if near < max_slip and not any(motion.slope > 0.0 for motion in motions):
+            branch = self.loading_branch(max_slip)
+            motions = branch.find_steady_motions(self.drag)
+        return branch, motions
 
     def branch_torques(self, slips: Array) -> Array:
         """Return the torques of the loading branch at slips of `branch_slips` [N m]; NaN beyond its end or without it.

@@ -117,8 +117,6 @@ _TOLERANCE_FRACTION: Final = 0.5
 #: that is made again. Twice as much takes 0.7 times as many slices in three scenes of docs/scripts/play.py, and makes
 #: one of these runs again. Chosen.
 _SLIP_FRACTION: Final = 0.35
-#: Slip over a likely one up to which a loading branch is searched first. Chosen.
-_LIKELY_RANGE: Final = 3.0
 # Numbers of evaluations by which the cost is extrapolated from measured times; an estimate scales with them.
 
 #: Loading branches of a run: those of the last two numbers of positions.
@@ -521,12 +519,7 @@ class SteadySlip(Study):
             rolling = balance.motions.find(np.zeros(1))[0][0]
             motions = [SteadyMotion(0.0, 0.0, rolling, lambda: np.inf)]
         else:
-            whole = max(RANGE, self.max_cage_slip)
-            for end in (min(_LIKELY_RANGE * max(abs(likely_slip), SMALLEST_SLIP), whole), whole):
-                branch = balance.loading_branch(end)
-                motions = branch.find_steady_motions(balance.drag)
-                if any(motion.slope > 0.0 for motion in motions):
-                    break
+            branch, motions = balance.steady_motions(max(RANGE, self.max_cage_slip), likely_slip)
         slips = [motion.slip for motion in motions]
         return balance, motions, describe_steady_status(balance, branch, slips)
 
