@@ -45,6 +45,7 @@ SHARED = {
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
     "rollslip_studies.steady_slip.band", "rollslip_studies.steady_slip.minimum_load",
     "rollslip_studies.steady_slip.findings", "rollslip_studies.steady_slip.figures",
+    "rollslip_studies.steady_slip.play_findings",
     "rollslip_studies.surface_damage.over_motion",
     "rollslip_studies.surface_damage.findings", "rollslip_studies.surface_damage.figures",
     "rollslip_studies.thermal_balance.figures",

@@ -15,7 +15,7 @@ import numpy as np
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.results.dataset import xr
-from rollslip.results.text import SMALLEST_SLIP, Status, percent
+from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.studies.answers import LoadedSlices, ResolutionChoice
 from rollslip.studies.study import Study
 from rollslip_studies.effective_friction.raceways import no_load_error, regime_variables
@@ -220,18 +220,3 @@ def slip_with_play(dataset: "xr.Dataset") -> Callable[[float], float]:
     # the curve is interpolated: the slip of the result itself is kept, unless the cage is driven
     factor = with_play / at_same_torque(without) if with_play > 0.0 else 1.0
     return lambda slip: factor * at_same_torque(slip)
-
-
-def play_note(slip: float, without: float, status: str) -> str:
-    """Return what the play in the pockets does to a slip, in a few words; empty where both are printed alike.
-
-    Parameters
-    ----------
-    slip, without : float
-        Cage slip with play, and that of rollers set in the cage.
-    status : str
-        What was found of the play.
-    """
-    if Status.of(status) in (Status.NOT_KNOWN, Status.NO_STEADY_SLIP):
-        return status
-    return f"without play {percent(without)}" if percent(without) != percent(slip) else ""

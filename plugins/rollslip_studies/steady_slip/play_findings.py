@@ -5,7 +5,21 @@ import math
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, precise_percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.evaluated import play_note
+
+
+def play_note(slip: float, without: float, status: str) -> str:
+    """Return what the play in the pockets does to a slip, in a few words; empty where both are printed alike.
+
+    Parameters
+    ----------
+    slip, without : float
+        Cage slip with play, and that of rollers set in the cage.
+    status : str
+        What was found of the play.
+    """
+    if Status.of(status) in (Status.NOT_KNOWN, Status.NO_STEADY_SLIP):
+        return status
+    return f"without play {percent(without)}" if percent(without) != percent(slip) else ""
 
 
 def slip_without_play(dataset: "xr.Dataset") -> str:

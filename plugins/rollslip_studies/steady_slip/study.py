@@ -514,12 +514,10 @@ class SteadySlip(Study):
             if assembly.resolution.n_positions is None
             else self.balance(assembly)
         )
+        branch, motions = balance.steady_motions(max(RANGE, self.max_cage_slip), likely_slip)
         if balance.rolls_freely:
-            branch = self._loading_branch(balance)
             rolling = balance.motions.find(np.zeros(1))[0][0]
             motions = [SteadyMotion(0.0, 0.0, rolling, lambda: np.inf)]
-        else:
-            branch, motions = balance.steady_motions(max(RANGE, self.max_cage_slip), likely_slip)
         slips = [motion.slip for motion in motions]
         return balance, motions, describe_steady_status(balance, branch, slips)
 

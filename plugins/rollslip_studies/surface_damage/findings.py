@@ -11,7 +11,7 @@ from rollslip.results.curves import json_value, or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.evaluated import play_note
+from rollslip_studies.steady_slip.play_findings import play_note
 
 #: Unit of a measure that is a difference of temperatures, printed in K.
 RISE = "K, a difference"

@@ -13,8 +13,8 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.evaluated import play_note
 from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
+from rollslip_studies.steady_slip.play_findings import play_note
 
 #: Command for temperatures that follow from the losses.
 _NEXT_OF_GIVEN: Final = "rollslip run {scene} --study thermal-balance --set models.thermal=network"
