@@ -3,7 +3,7 @@
 import math
 
 from rollslip.results.dataset import xr
-from rollslip.results.text import Status, precise_percent
+from rollslip.results.text import Status, percent, precise_percent
 from rollslip.units import format_quantity
 
 
