@@ -190,7 +190,7 @@ PLANTED = {
     ],
     "too_large": [
         ("units.py", "VALUE = 1\n" * 600),
-        ("bearing/thirteenth.py", "VALUE = 1"),
+        ("scene/thirteenth.py", "VALUE = 1"),
         ("bearing/__init__.py", "def helper():\n    return 1"),
     ],
     "named_studies": [

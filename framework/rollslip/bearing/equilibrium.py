@@ -18,19 +18,19 @@
 6. An open contact has a very small stiffness in the Hessian, never in the residual. It makes every step defined and
    places a free roller half-way between the rings.
 7. Mirror images are not solved for: with aligned rings and a symmetric profile both halves of a roller carry the same,
-   and over a pitch half of the positions mirror the others (`rollslip.bearing.pitch`).
+   and over a pitch half of the positions mirror the others (`solve_pitch`).
 
 References: ISO/TS 16281:2008; T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
 """
 
-from typing import Protocol, TypeAlias
+from collections.abc import Collection
+from typing import Any, Protocol, TypeAlias
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.pitch import over_pitch
 from rollslip.errors import ConvergenceError
 from rollslip.profile import slice_positions
 from rollslip.rings import Rings
@@ -47,6 +47,11 @@ _MAX_RESIDUAL = 1e-10
 #: nothing. Halving it counts a roller more at each end of the loaded zone at most. Chosen: far above what a film pushes
 #: from an unloaded roller to the inner ring.
 _LOADED_FRACTION = 0.02
+#: Arrays of a `LoadDistribution`, other than psi, whose first axis is that of the roller positions.
+_BY_POSITION = (
+    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "roller_shift",
+    "roller_tilt", "moment",
+)  # fmt: skip
 _REMEDY = (
     "check operation.radial_load, operation.misalignment, operation.inner_speed and bearing.radial_clearance: rollers "
     "and rings must be able to bear them"
@@ -380,8 +385,68 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     )
 
 
+def _largest_residuals(parts: Collection[LoadDistribution]) -> dict[str, Any]:
+    """Return the largest residuals and number of iterations of several solutions."""
+    names = ("force_residual", "moment_residual", "iterations")
+    return {name: max(getattr(part, name) for part in parts) for name in names}
+
+
 def solve_pitch(
     case: LoadCase, contacts: tuple[Contacts, Contacts], known: LoadDistribution | None = None
 ) -> LoadDistribution:
-    """Return the load distribution at positions over one pitch; ``known`` has the loads at every second position."""
-    return over_pitch(case, known, lambda subset: solve_equilibrium(subset, contacts))
+    """Return the load distribution at positions over one pitch; those that mirror others, or are known, are not solved.
+
+    Roller j at position m of M is the mirror image, in the line of load, of roller Z - 1 - j at position M - m. Both
+    carry the same load, unless a ring or a body force is not symmetric.
+
+    Parameters
+    ----------
+    case : LoadCase
+        The bearing, with positions `psi` [rad], (n_positions, Z), and whether it is `mirrored`.
+    contacts : tuple of Contacts
+        Of inner and outer ring.
+    known : LoadDistribution, optional
+        Loads at every second position of the case.
+
+    Returns
+    -------
+    LoadDistribution
+        The loads at all positions. Residuals and iterations are the largest of the parts.
+    """
+    n_positions = case.psi.shape[0]
+    if known is not None and 2 * known.psi.shape[0] != n_positions:
+        raise ValueError(
+            f"known are {known.psi.shape[0]} positions: of {n_positions} it must be half"
+        )
+    missing = np.arange(n_positions) if known is None else np.arange(1, n_positions, 2)
+    last = n_positions // 2 if case.mirrored else n_positions
+    solved = missing[missing <= last]
+    images = missing[missing > last]
+    if known is None and not images.size:
+        return solve_equilibrium(case, contacts)
+    solution = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
+
+    def at_all_positions(name: str) -> Floats:
+        part: Floats = getattr(solution, name)
+        whole = np.empty((n_positions, *part.shape[1:]))
+        if known is not None:
+            whole[::2] = getattr(known, name)
+        whole[solved] = part
+        for image in images:
+            whole[image] = (
+                whole[n_positions - image] if part.ndim == 1 else whole[n_positions - image, ::-1]
+            )
+        if name == "displacement":
+            # the component along the line of load stays, that across it changes sign
+            whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])
+        if name == "deflection" and case.rings is not None:
+            whole[images] = whole[images, ::-1] * case.rings.parity
+        return whole
+
+    pitch: dict[str, Any] = {name: at_all_positions(name) for name in _BY_POSITION}
+    return attrs.evolve(
+        solution,
+        psi=case.psi,
+        **pitch,
+        **_largest_residuals((solution,) if known is None else (solution, known)),
+    )
