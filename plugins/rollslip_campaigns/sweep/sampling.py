@@ -20,7 +20,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -402,6 +402,8 @@ class Design:
     axes: tuple[Axis, ...]
     sampled: tuple[Quantity, ...]
     samples: Array
+    #: What the rows of `samples` are called in messages.
+    samples_name: ClassVar[str] = "samples"
 
     @property
     def has_samples(self) -> bool:
@@ -426,6 +428,11 @@ class Design:
         """Number of points."""
         return math.prod(self.shape)
 
+    @property
+    def checked_axes(self) -> tuple[Axis, ...]:
+        """The axes whose values are checked in the scene one by one."""
+        return self.axes
+
     def changes(self, number: int) -> dict[str, object]:
         """Return the values that the point of a number changes in the scene, by key."""
         index = np.unravel_index(number, self.shape)
@@ -442,7 +449,7 @@ class Design:
     def describe_point(self, number: int) -> str:
         """Return the values of a point as text: "operation.radial_load = 500 N, models.traction = muraki"."""
         axes = {quantity.key: Axis(quantity, ()) for quantity in self.sampled}
-        axes |= {axis.key: axis for axis in self.axes}
+        axes |= {axis.key: axis for axis in self.checked_axes}
         return ", ".join(
             f"{key} = {axes[key].format_value(value)}"
             for key, value in self.changes(number).items()
@@ -460,7 +467,13 @@ class Design:
                 np.ascontiguousarray(self.samples, dtype="<f8").tobytes()
             ).hexdigest(),
             "size": self.size,
+            **self.further_facts,
         }
+
+    @property
+    def further_facts(self) -> dict[str, Any]:
+        """Facts of a design that has more than axes and samples."""
+        return {}
 
 
 def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:

@@ -68,7 +68,9 @@ __all__ = [
     "plan_sweep",
     "store_sweep",
     "study_with_outputs",
+    "sweep_of_design",
     "with_engine",
+    "without_tables",
 ]
 
 #: Maximum number of values of an axis that are checked in the scene before the start; of a longer axis, values that are
@@ -102,7 +104,7 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
         Settings of `SweepTable`, in place of those of the scene; None for the setting of the scene.
     """
     given = as_scene(scene)
-    base = _without_tables(given)
+    base = without_tables(given)
     where = Location(given.origins)
     problems = list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
@@ -146,7 +148,46 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
         samples = uncertainty.values(
             probabilities(table.sampling, table.samples or 1, len(sampled), table.seed)
         )
-    design = Design(tuple(axes), sampled, samples)
+    return sweep_of_design(
+        base,
+        study,
+        output_names,
+        Design(tuple(axes), sampled, samples),
+        given=given,
+        table=attrs.evolve(table, over=FrozenTable(varying)),
+        uncertainty=uncertainty,
+    )
+
+
+def sweep_of_design(
+    base: Scene,
+    study: str,
+    outputs: tuple[str, ...],
+    design: Design,
+    *,
+    given: Scene,
+    table: SweepTable,
+    uncertainty: Uncertainty | None = None,
+) -> Sweep:
+    """Return the sweep over the points of a design, whose values are checked in the scene.
+
+    Parameters
+    ----------
+    base : Scene
+        The scene that every point changes, without tables of sweeps.
+    study : str
+        The study.
+    outputs : tuple of str
+        Variables of the study that are stored.
+    design : Design
+        The points.
+    given : Scene
+        The scene as it was given.
+    table : SweepTable
+        Settings of the sweep.
+    uncertainty : Uncertainty, optional
+        Distributions of the samples; by default none.
+    """
     raise_problem_if(
         design.size > _MAX_POINTS,
         f"sweep: {design.size} points are more than {_MAX_POINTS}; take fewer values or samples",
@@ -156,17 +197,17 @@ def plan_sweep(scene: Scene | str, over: object = None, **requested: Any) -> Swe
     return Sweep(
         scene=base,
         study=study,
-        outputs=output_names,
+        outputs=outputs,
         design=design,
-        uncertainty=uncertainty,
+        uncertainty=Uncertainty({}, np.empty((0, 0))) if uncertainty is None else uncertainty,
         resolutions=_chosen_resolutions(base, study, design),
         packages=packages,
         local=local,
         citations=_citations(assemblies, study),
-        table=attrs.evolve(table, over=FrozenTable(varying)),
+        table=table,
         given=given,
         unusual=unusual,
-        files=studies[study].digest(assembly),
+        files=settings(base, study)[study].digest(assemblies[0]),
     )
 
 
@@ -295,8 +336,8 @@ def _read_axes(
     return axes, ranges
 
 
-def _without_tables(scene: Scene) -> Scene:
-    """The scene without the tables of sweeps, which are not part of a point."""
+def without_tables(scene: Scene) -> Scene:
+    """Return the scene without the tables of sweeps, which are not part of a point."""
     return attrs.evolve(
         scene,
         sweep=None,
@@ -381,7 +422,7 @@ def _checked_assemblies(
     problems = list[str]()
     unusual = list[str]()
     assemblies = [assemble(base)]
-    for axis in design.axes:
+    for axis in design.checked_axes:
         count = len(axis.values)
         accepted_values = list[object]()
         for k in np.unique(np.linspace(0, count - 1, min(count, _MAX_CHECKED_VALUES)).astype(int)):
@@ -423,7 +464,7 @@ def _checked_assemblies(
                 base,
                 quantity,
                 [format_quantity(value, quantity.unit or "1", 4) for value in bounds],
-                "ends of the samples",
+                f"ends of the {design.samples_name}",
             )
     raise_problems(problems)
     return assemblies, tuple(unusual)
