@@ -40,11 +40,12 @@ class CaseSettings(OfPoints):
     Examples
     --------
     >>> import pandas
-    >>> from rollslip import cases
-    >>> table = pandas.DataFrame({"radial_load [kN]": [5.0, 10.0], "share [%]": [20.0, 80.0]})
-    >>> found = cases("1032930-70C", table, engine="serial")
+    >>> from rollslip import cases, evolve, load_scene
+    >>> coarse = {"accuracy.slices": 5, "accuracy.tolerance": 0.05, "study.steady-slip.pockets": "set"}
+    >>> table = pandas.DataFrame({"radial_load [kN]": [1.0, 5.0], "share [%]": [20.0, 80.0]})
+    >>> found = cases(evolve(load_scene("1032930-70C"), coarse), table, engine="serial")
     >>> found.time_fraction.values.tolist(), found.verdict.values.tolist()
-    ([0.2, 0.8], ['SKIDS', 'SLIPS'])
+    ([0.2, 0.8], ['SLIPS', 'OK'])
     """
 
     name = "cases"

@@ -1,7 +1,7 @@
 """Run a table of load cases: each row is a point of a sweep of study ``steady-slip``.
 
 A case has the verdict of its values: slip, reserve, film parameter and viscosity ratio by the rules of an answer. Bands
-are not computed, because they take as long as the case itself, so that a verdict here is never worse than that of a run.
+are not computed, because they take as long as the case itself: so a verdict here is never worse than that of a run.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,7 +22,12 @@ from rollslip_campaigns.sweep.definition import POINT_VARIABLES, Sweep, SweepTab
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.run import requested_engine
 from rollslip_campaigns.sweep.sampling import label
-from rollslip_campaigns.sweep.sweep import assemble_varied, sweep_of_design, without_tables
+from rollslip_campaigns.sweep.sweep import (
+    assemble_varied,
+    sweep_of_design,
+    with_engine,
+    without_tables,
+)
 from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["STUDY", "CasePlan", "plan_cases", "run_cases"]
@@ -64,7 +69,10 @@ class CasePlan:
     def messages(self) -> Sequence[str]:
         """Lines on versions and size."""
         keys = ", ".join(self.sweep.design.keys)
-        return [self.sweep.headline, f"  {self.sweep.design.size} cases of {self.table.source}: {keys}"]
+        return [
+            self.sweep.headline,
+            f"  {self.sweep.design.size} cases of {self.table.source}: {keys}",
+        ]
 
 
 def plan_cases(requested: CaseSettings) -> CasePlan:
@@ -72,15 +80,15 @@ def plan_cases(requested: CaseSettings) -> CasePlan:
     given = requested.base_scene
     base, assembly = assemble_varied(without_tables(given), {})
     table = read_cases(requested.table, quantities(assembly, settings(base, STUDY)))
-    stated = {"engine": requested.engine, "time_limit": requested.time_limit}
     sweep = sweep_of_design(
         base,
         STUDY,
         named_outputs(study_class(STUDY, base), (*_OUTPUTS.values(), "loss")),
         table.design,
         given=given,
-        table=SweepTable(**{name: value for name, value in stated.items() if value is not None}),
+        table=SweepTable(),
     )
+    sweep = with_engine(sweep, requested.engine, requested.time_limit)
     requested_engine(sweep)  # an unusable engine is refused here
     return CasePlan(table, sweep)
 
@@ -121,7 +129,9 @@ def _result(made: CasePlan, computed: "xr.Dataset") -> "xr.Dataset":
         if "ring" in values.dims:
             values = values.min("ring", keep_attrs=True)
         if "steady" in values.dims:
-            values = values.isel(steady=0) if values.sizes["steady"] else values.sum("steady") * np.nan
+            values = (
+                values.isel(steady=0) if values.sizes["steady"] else values.sum("steady") * np.nan
+            )
         variables[name] = values
         status = str(found[output].attrs.get(STATUS_VARIABLE, ""))
         if status in found:

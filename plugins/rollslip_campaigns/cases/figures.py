@@ -17,7 +17,7 @@ from rollslip.units import converted, shown_unit
 
 __all__ = ["case_figures", "draw_cases"]
 
-#: Area of the circle of the longest case [points^2]; others are in proportion. Chosen: a tenth of the width of a figure.
+#: Area of the circle of the longest case [points^2]; others are in proportion. Chosen: a tenth of a figure's width.
 _LARGEST_AREA: Final = 300.0
 #: Smallest area [points^2], of cases that take hardly any time. Chosen: a circle that is still seen.
 _SMALLEST_AREA: Final = 8.0

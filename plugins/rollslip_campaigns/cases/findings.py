@@ -39,7 +39,9 @@ class CasesAccount(Account):
         shown = dataset.isel(case=worst[:_SHOWN])
         faults = (f"{missing} of {sum(counts.values())} cases have no result",) * bool(missing)
         return Answer(
-            summary="; ".join([_time_in_words(dataset), _worst_in_words(dataset), *_means(dataset)]),
+            summary="; ".join(
+                [_time_in_words(dataset), _worst_in_words(dataset), *_means(dataset)]
+            ),
             faults=faults,
             assumed=("verdicts are by the values alone, without bands: a run of a case has them",),
             next=(_run_of(dataset, worst[0]),),

@@ -187,6 +187,7 @@ def _parse_head(
     """Return the column under a cell of the head, or None after collecting its fault."""
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     unit = rest.removesuffix("]").strip() if bracket else ""
+    si: str | None
     if name in _TIMES:
         quantity, si, key = None, _TIMES[name], name
     else:
@@ -200,7 +201,9 @@ def _parse_head(
         problems.append(f"{place}: {key}: has no unit, [{unit}] is wrong here")
         return None
     if si not in (None, "1") and not unit:
-        problems.append(f"{place}: {key}: the unit is missing; write {as_written(f'{name} [{si}]')}")
+        problems.append(
+            f"{place}: {key}: the unit is missing; write {as_written(f'{name} [{si}]')}"
+        )
         return None
     try:
         if unit:
@@ -242,7 +245,9 @@ def _rows_of_frame(given: Any) -> tuple[str, list[tuple[str, list[str]]]]:
         head, rows = [str(name) for name in given.columns], given.to_numpy().tolist()
     except AttributeError:
         raise SceneError(
-            [f"table: a file .csv or .xlsx or a pandas.DataFrame is expected, not {as_written(given)}"]
+            [
+                f"table: a file .csv or .xlsx or a pandas.DataFrame is expected, not {as_written(given)}"
+            ]
         ) from None
     lines = [(f"table: row {k}", [str(cell) for cell in row]) for k, row in enumerate(rows, 1)]
     return "table", [("table: head", head), *lines]

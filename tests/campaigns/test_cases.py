@@ -1,0 +1,201 @@
+"""Tables of load cases: read with all faults, computed as single runs are, and summed over time."""
+
+import json
+
+import numpy as np
+import pandas
+import pytest
+from click.testing import CliRunner
+from openpyxl import Workbook
+
+import rollslip
+from rollslip.cli.main import cli
+from rollslip.errors import SceneError, UnknownNameError
+from rollslip.results.accounts import account_of, answer
+from rollslip.results.table import sheet
+from rollslip_campaigns.cases import CaseSettings
+from rollslip_campaigns.cases.cases import plan_cases
+from rollslip_campaigns.cases.figures import draw_cases
+from rollslip_campaigns.cases.findings import mean_over_time, time_by_verdict, worst_first
+from scattered import SCATTERED
+
+HEAD = "radial_load [kN], operation.inner_speed [rpm], share [%]"
+ROWS = ("5, 6000, 20", "10, 3000, 30", "20, 3000, 50")
+
+
+def written(folder, *lines, name="duty.csv"):
+    path = folder / name
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+def planned(table):
+    return plan_cases(CaseSettings(SCATTERED, table))
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cases")
+    return rollslip.cases(SCATTERED, written(folder, HEAD, *ROWS), engine="serial")
+
+
+def test_a_case_is_a_run_of_its_scene(found):
+    loads = found["radial_load"].to_numpy()
+    speeds = found["inner_speed"].to_numpy()
+    np.testing.assert_allclose(loads, [5e3, 1e4, 2e4])
+    np.testing.assert_allclose(speeds, np.pi / 30.0 * np.array([6000.0, 3000.0, 3000.0]))
+    scene = rollslip.evolve(
+        SCATTERED, {"operation.radial_load": loads[1], "operation.inner_speed": speeds[1]}, si=True
+    )
+    alone = rollslip.run(scene, "steady-slip")
+    for name, output in (("slip", "steady_slip"), ("friction_torque", "friction_torque")):
+        assert found[name][1].item() == pytest.approx(alone[output][0].item(), rel=0.02)
+    assert found["heat"][1].item() == pytest.approx(alone["loss"][:, 0].sum().item(), rel=0.02)
+    assert found["film_parameter"][1].item() == pytest.approx(
+        alone["film_parameter"][:, 0].min().item(), rel=0.02
+    )
+
+
+def test_the_time_is_that_of_the_table(found):
+    np.testing.assert_allclose(found["time_fraction"], [0.2, 0.3, 0.5], rtol=1e-12)
+    times = time_by_verdict(found)
+    assert sum(times.values()) == pytest.approx(1.0)
+    torque = found["friction_torque"].to_numpy()
+    expected = 0.2 * torque[0] + 0.3 * torque[1] + 0.5 * torque[2]
+    assert mean_over_time(found, "friction_torque") == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_case_without_a_value_does_not_count_in_a_mean(found):
+    torque = found["friction_torque"].copy()
+    torque[0] = np.nan
+    mean = mean_over_time(found.assign(friction_torque=torque), "friction_torque")
+    assert mean == pytest.approx(0.375 * float(torque[1]) + 0.625 * float(torque[2]), rel=1e-12)
+    assert np.isnan(
+        mean_over_time(found.assign(friction_torque=torque * np.nan), "friction_torque")
+    )
+
+
+def test_the_worst_case_stands_first_by_verdict_and_then_by_slip(found):
+    data = found.assign(
+        verdict=("case", ["OK", "SKIDS", "SKIDS"]), slip=("case", [0.5, 0.3, np.nan])
+    )
+    assert worst_first(data) == [2, 1, 0]
+    said = answer(data).summary
+    assert said.startswith("skids 80 %, is OK 20 % of the time; worst is case 3, no steady slip")
+
+
+def test_the_rows_come_back_with_their_values(found):
+    head, rows = sheet(found)
+    assert head[:3] == ["case", "operation.radial_load [kN]", "operation.inner_speed [rpm]"]
+    assert [row[1] for row in rows] == [5.0, 10.0, 20.0]
+    assert len(account_of(found).tables(found)[0].rows) == 3
+
+
+def test_circles_have_areas_in_proportion_to_time(found):
+    areas = np.sort(np.concatenate([c.get_sizes() for c in draw_cases(found).axes[0].collections]))
+    np.testing.assert_allclose(areas, 300.0 * np.array([0.4, 0.6, 1.0]))
+
+
+def test_csv_workbooks_and_frames_are_the_same_cases(tmp_path):
+    rows = [[5.0, 6000.0, 0.2], [10.0, 3000.0, 0.8]]
+    names = ["radial_load [kN]", "operation.inner_speed [rpm]", "share"]
+    frame = pandas.DataFrame(rows, columns=names)
+    book = Workbook()
+    for row in (names, *rows):
+        book.active.append(row)
+    book.save(tmp_path / "duty.xlsx")
+    text = [", ".join(map(str, row)) for row in (names, *rows)]
+    tables = (written(tmp_path, "# two cases", *text), tmp_path / "duty.xlsx", frame)
+    for made in map(planned, tables):
+        assert made.sweep.design.changes(1) == pytest.approx(
+            {"operation.radial_load": 1e4, "operation.inner_speed": 100.0 * np.pi}
+        )
+        np.testing.assert_allclose(made.table.fractions, [0.2, 0.8])
+
+
+def test_hours_are_parts_of_their_sum_and_a_table_without_times_has_equal_parts(tmp_path):
+    hours = planned(written(tmp_path, "radial_load [kN], time [h]", "1, 6", "2, 2"))
+    np.testing.assert_allclose(hours.table.fractions, [0.75, 0.25])
+    equal = planned(written(tmp_path, "radial_load [kN]", "1", "2", "3", "4"))
+    np.testing.assert_allclose(equal.table.fractions, 0.25)
+
+
+def test_a_column_of_names_changes_the_scene(tmp_path):
+    table = written(
+        tmp_path, "radial_load [kN], models.film", "5, moes", "10, dowson-1968", "6, moes"
+    )
+    made = planned(table)
+    assert made.sweep.design.changes(1) == {
+        "operation.radial_load": 1e4,
+        "models.film": "dowson-1968",
+    }
+    assert made.sweep.design.describe_point(1).endswith("models.film = dowson-1968")
+    other = written(tmp_path, "radial_load [kN], models.film", "5, moes", "10, moes", "6, moes")
+    assert planned(other).sweep.hash != made.sweep.hash
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["radial_load", "5"], r"duty.csv:1: operation.radial_load: the unit is missing; write"),
+        (["radial_load [rpm]", "5"], r"duty.csv:1: operation.radial_load: .*rpm"),
+        (["radial_lod [N]", "5"], r"did you mean 'operation.radial_load'"),
+        (["radial_load [N]", "x"], r"duty.csv:2: operation.radial_load: 'x' is not a number alone"),
+        (["radial_load [N]", "-5"], r"duty.csv:2: operation.radial_load: must be"),
+        (["radial_load [N], share [%]", "5, 0"], r"the shares of all cases are zero"),
+        (["radial_load [N], share [%]", "5, -1"], r"duty.csv:2: share: '-1' is below zero"),
+        (["radial_load [N], share, time [h]", "5, 1, 1"], r"give share or time, and not both"),
+        (["radial_load [N], load [kN]", "5, 1"], r"operation.radial_load stands there twice"),
+        (["radial_load [N]", "5, 6"], r"duty.csv:2: 2 values under 1 columns"),
+        (["share [%]", "5"], r"no column has a key of the scene"),
+        (["models.film [m]", "moes"], r"models.film: has no unit"),
+        (["radial_load [N]"], r"a head and a row below it are expected"),
+    ],
+)  # fmt: skip
+def test_a_wrong_table_is_refused_with_its_place(tmp_path, lines, message):
+    with pytest.raises(SceneError, match=message):
+        planned(written(tmp_path, *lines))
+
+
+def test_all_faults_of_a_table_stand_in_one_error(tmp_path):
+    with pytest.raises(SceneError) as raised:
+        planned(written(tmp_path, "radial_load [N]", "x", "5", "y"))
+    assert [problem.partition(": ")[0] for problem in raised.value.problems] == [
+        f"{tmp_path / 'duty.csv'}:2", f"{tmp_path / 'duty.csv'}:4",
+    ]  # fmt: skip
+
+
+def test_a_name_that_is_not_known_is_refused(tmp_path):
+    with pytest.raises(UnknownNameError, match=r"models.film: no film is called 'moe'"):
+        planned(written(tmp_path, "models.film", "moe"))
+
+
+def test_what_is_no_table_is_refused():
+    with pytest.raises(
+        SceneError, match=r"table: a file .csv or .xlsx or a pandas.DataFrame is expected, not 5"
+    ):
+        planned(5)
+
+
+def test_cases_that_are_done_are_not_computed_again(tmp_path):
+    table = written(tmp_path, "radial_load [kN]", "10", "20")
+    first, second = (
+        rollslip.cases(SCATTERED, table, out=tmp_path / "kept", engine="serial") for _ in range(2)
+    )
+    np.testing.assert_array_equal(first["seconds"], second["seconds"])
+
+
+def test_the_command_opens_with_the_time_and_the_worst_case(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path, "radial_load [kN]", "10", "20")
+    changes = ("accuracy.slices=3", "accuracy.tolerance=0.05", "study.steady-slip.pockets=set")
+    settings = [word for change in changes for word in ("--set", change)]
+    done = CliRunner().invoke(
+        cli, ["cases", "1032930-70C", "duty.csv", *settings, "--engine", "serial", "--json"]
+    )
+    assert done.exit_code == 0, done.output
+    record = json.loads(done.stdout)
+    assert record["counts"]["ok"] == 2
+    assert record["worst_case"] == 1
+    assert sum(record["time_by_verdict"].values()) == pytest.approx(1.0)
+    assert record["answer"]["summary"].partition("; ")[2].startswith("worst is case 1, slip")
