@@ -30,9 +30,8 @@ MAX_CODE_LINES = 600
 #: their place, contacts of a rig. None of them knows of it.
 CAMPAIGNS = {
     ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
-    ("pareto", "sweep"), ("surrogate", "sweep"),
-    ("validation", "comparison"),
-    ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
+    ("pareto", "sweep"), ("surrogate", "sweep"), ("cases", "sweep"),
+    ("validation", "comparison"), ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
 #: Modules of studies that other studies and campaigns may import.
 SHARED = {

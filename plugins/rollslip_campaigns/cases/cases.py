@@ -28,12 +28,13 @@ from rollslip_campaigns.sweep.sweep import (
     with_engine,
     without_tables,
 )
+from rollslip_studies.steady_slip.study import SteadySlip
 from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["STUDY", "CasePlan", "plan_cases", "run_cases"]
 
 #: Study of the cases.
-STUDY: Final = "steady-slip"
+STUDY: Final = SteadySlip.name
 #: Variable of the result -> variable of the study, of which the first steady slip and the smaller film are taken.
 _OUTPUTS: Final = {
     "slip": "steady_slip",
@@ -127,7 +128,7 @@ def _result(made: CasePlan, computed: "xr.Dataset") -> "xr.Dataset":
             continue
         values = found[output]
         if "ring" in values.dims:
-            values = values.min("ring", keep_attrs=True)
+            values = values.min("ring").assign_attrs(values.attrs)
         if "steady" in values.dims:
             values = (
                 values.isel(steady=0) if values.sizes["steady"] else values.sum("steady") * np.nan

@@ -40,7 +40,7 @@ class CasesAccount(Account):
         faults = (f"{missing} of {sum(counts.values())} cases have no result",) * bool(missing)
         return Answer(
             summary="; ".join(
-                [_time_in_words(dataset), _worst_in_words(dataset), *_means(dataset)]
+                [_describe_time(dataset), _describe_worst(dataset), *_means(dataset)]
             ),
             faults=faults,
             assumed=("verdicts are by the values alone, without bands: a run of a case has them",),
@@ -53,8 +53,8 @@ class CasesAccount(Account):
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences by topic: the time by verdict, and means."""
         return {
-            "time": [_time_in_words(dataset)],
-            "worst case": [_worst_in_words(dataset)],
+            "time": [_describe_time(dataset)],
+            "worst case": [_describe_worst(dataset)],
             "means": _means(dataset),
         }
 
@@ -100,21 +100,21 @@ def mean_over_time(dataset: "xr.Dataset", name: str) -> float:
     return float(values[np.isfinite(values)] @ weights / weights.sum()) if weights.sum() else np.nan
 
 
-def _time_in_words(dataset: "xr.Dataset") -> str:
+def _describe_time(dataset: "xr.Dataset") -> str:
     """Return the part of the time by verdict in words."""
     times = time_by_verdict(dataset)
-    words = {
+    verbs = {
         "skids": Verdict.SKIDS,
         "slips": Verdict.SLIPS,
         "may skid": Verdict.UNKNOWN,
         "is OK": Verdict.OK,
         "has no result": "",
     }
-    parts = [f"{word} {percent(times[name])}" for word, name in words.items() if times[name]]
+    parts = [f"{verb} {percent(times[name])}" for verb, name in verbs.items() if times[name]]
     return f"{', '.join(parts)} of the time"
 
 
-def _worst_in_words(dataset: "xr.Dataset") -> str:
+def _describe_worst(dataset: "xr.Dataset") -> str:
     """Return number and slip of the worst case in words."""
     worst = dataset.isel(case=worst_first(dataset)[0])
     slip = float(worst["slip"])
