@@ -2,7 +2,7 @@
 
 Each scene with its own temperatures held, in a bath of oil, and with a flow of oil that enters at the scene's
 temperature; the two warmer ones with the resistances that they leave out, too. Conductances are the estimates of the
-network. About half a minute.
+network. About a minute of one core.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ MORE = {
     "lubricant.density": "930 kg/m3",
 }
 COOLED = {
-    "held": {},
+    "held": {"models.thermal": "given"},
     "bath": {"models.thermal": "network"},
     "15 g/s": {"models.thermal": {"model": "network", "oil_flow": "15 g/s"}},
 }
