@@ -121,6 +121,17 @@ def test_rollers_that_nothing_resists_have_one_motion_without_a_search(monkeypat
     assert not one.has_several_motions(0.3)
 
 
+def test_rollers_that_nothing_resists_have_no_torque_at_no_slip_and_that_of_the_loading_branch():
+    """At no slip they roll and drive nothing, which is known without a motion; more slips do not change others."""
+    balance = torque_balance(assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 4})), 2)
+    assert not balance.motions.resists
+    assert balance.torques_from_zero(np.zeros(1)).tolist() == [0.0]
+    slips = np.array([0.0, 0.02, 0.05])
+    torques = balance.branch_torques(slips)
+    assert torques[0] == 0.0 < torques[1] < torques[2]
+    assert torques[1:] == pytest.approx(balance.torques_from_zero(slips)[1:], rel=1e-3)
+
+
 def test_a_cage_beyond_the_slip_of_skidding_has_a_reserve_of_1_at_most():
     found = reserve(
         balance(lambda _: -1.0, lambda slip: 10.0 * slip),

@@ -218,9 +218,9 @@ class TorqueBalance:
         slips : ndarray
             Cage slips, (n,).
         """
-        rolls = slips == 0.0 if not self.motions.resists else np.zeros(slips.size, dtype=bool)
         torques = np.zeros(slips.size)
-        torques[~rolls] = self.torques(slips[~rolls], reduced=True)
+        if (braked := (slips != 0.0) | self.motions.resists).any():
+            torques[braked] = self.torques(slips[braked], reduced=True)
         return torques
 
     def seconds(self, max_slip: float = RANGE) -> float:
