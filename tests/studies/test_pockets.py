@@ -614,7 +614,8 @@ def test_the_table_of_the_page_has_slips_that_motions_in_time_have():
             for name in ("local, play", "motion in time", "local, set")
         )
         assert slip == pytest.approx(motion, rel=TIME_TOLERANCE)
-        assert without < 0.97 * motion
+        # play hardly changes the slip of a cage that skids
+        assert (without < 0.97 * motion) == (motion < 20.0)
 
 
 @pytest.mark.parametrize(
