@@ -3,9 +3,9 @@ Which oil keeps the cage from slipping?
 =======================================
 
 The oil of scene ``turbine`` at several temperatures. Thicker and colder oil drives loaded rollers harder, but its films
-also brake the unloaded ones. Above 65 °C the slip hardly depends on the oil. In cold VG 68 the cage slips little: the oil
-on its land, at the faster inner ring, drives it. Thicker oil makes more heat, so the bearing gets warmer with it: see
-``thermal-balance``.
+also brake the unloaded ones. Above 65 °C the slip hardly depends on the oil. In cold VG 68 the cage slips little: the
+oil on its land, at the faster inner ring, drives it. Thicker oil makes more heat, so the bearing gets warmer with it:
+see ``thermal-balance``.
 """
 
 import matplotlib.pyplot as plt
