@@ -13,7 +13,7 @@ import numpy as np
 
 from rollslip.planning.progress import ProgressReporter
 from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_verdict
-from rollslip.results.dataset import STATUS_VARIABLE, about, xr
+from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.cases import CaseSettings
@@ -112,7 +112,9 @@ def run_cases(
     """
     points = Points.in_folder(made.sweep, folder, message, lambda now: show(*now.summary))
     points.compute()
-    return _result(made, points.collect())
+    dataset = _result(made, points.collect())
+    save(dataset, folder / "cases.nc")
+    return dataset
 
 
 def _result(made: CasePlan, computed: "xr.Dataset") -> "xr.Dataset":
