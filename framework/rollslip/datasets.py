@@ -494,15 +494,19 @@ class Bearing:
         )
 
     @property
+    def pitch_diameter(self) -> float:
+        """Diameter of the circle on which the centres of the rollers lie without clearance [m]."""
+        return 0.5 * (self.inner_raceway_diameter + self.outer_raceway_diameter)
+
+    @property
     def static_rating(self) -> float:
         """Basic static radial load rating C0r [N] of one row of rollers.
 
         C0r = 44 (1 - D/dm) Z L D after ISO 76, with diameter D and effective length L of a roller and pitch diameter dm
         in mm. Makers' own values differ by some per cent.
         """
-        pitch = 0.5 * (self.inner_raceway_diameter + self.outer_raceway_diameter)
         size = 1e6 * self.roller_length * self.roller_diameter
-        return 44.0 * (1.0 - self.roller_diameter / pitch) * self.rollers * size
+        return 44.0 * (1.0 - self.roller_diameter / self.pitch_diameter) * self.rollers * size
 
     @property
     def width(self) -> float:

@@ -24,6 +24,7 @@ HOOKS: Final = {
     "integrator_models": "Integrators: classes derived from `rollslip.models.IntegratorModel`.",
     "thermal_models": "Thermal models: classes derived from `rollslip.studies.thermal_balance.model.ThermalModel`.",
     "damage_models": "Damage models: classes derived from `rollslip.studies.surface_damage.model.DamageModel`.",
+    "life_models": "Models of the rating life: classes derived from `rollslip.studies.rating_life.model.LifeModel`.",
     "torque_formulas": "Formulas of the friction torque: classes derived from "
     "`rollslip.studies.steady_slip.torque.TorqueFormula`.",
     "engines": "Engines of sweeps: classes derived from `rollslip.engine.Engine`.",

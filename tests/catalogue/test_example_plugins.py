@@ -46,7 +46,7 @@ SCAFFOLDED = [
 ]
 SCAFFOLDED += [(f"rollslip-fast-{kind}", kind, True) for kind in ("contact", "film", "traction")]
 #: Kinds without a template that a scene swaps.
-SWAPPED = ("thermal", "damage", "torque")
+SWAPPED = ("thermal", "damage", "torque", "life")
 
 
 def leftovers(folder: str, names: list[str]) -> set[str]:

@@ -39,6 +39,7 @@ from rollslip.models import (
 )
 from rollslip.rings import RingModel, RingShapes
 from rollslip.structure import FrozenTable
+from rollslip.studies.rating_life.model import LifeModel, RatedLife
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
@@ -1281,6 +1282,73 @@ class _Hearsay(Rubbing):
 
 
 SOUND.append(Rubbing())
+
+
+# Rating lives ---------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Lasting(LifeModel):
+    """A life by the radial load alone."""
+
+    name = "sound-life"
+    equation = "L = (C/P)^3"
+    references = SOURCE
+    basis = "a cube"
+
+    def rate(self, duty):
+        P = duty.radial_load
+        n = duty.widths.size
+        return RatedLife(
+            revolutions=1e6 * (duty.dynamic_rating / P) ** 3,
+            equivalent_load=P,
+            damage=np.full((2, n), 0.5 / n),
+            slice_load=np.full(n, P),
+        )
+
+
+@breaks("check_has_an_equation_and_references")
+class _UnsourcedLife(Lasting):
+    """A life without a source."""
+
+    references = ()
+
+
+@breaks("check_more_load_shortens_the_life")
+class _Tireless(Lasting):
+    """It lasts as long under any load."""
+
+    def rate(self, duty):
+        return attrs.evolve(super().rate(duty), revolutions=1e9)
+
+
+@breaks("check_more_load_shortens_the_life")
+class _Endless(Lasting):
+    """It lasts for ever."""
+
+    def rate(self, duty):
+        return attrs.evolve(super().rate(duty), revolutions=math.inf)
+
+
+@breaks("check_fractions_of_the_damage_add_up")
+class _Doubled(Lasting):
+    """It counts the damage of each ring as a whole."""
+
+    def rate(self, duty):
+        life = super().rate(duty)
+        return attrs.evolve(life, damage=2.0 * life.damage)
+
+
+@breaks("check_fractions_of_the_damage_add_up")
+class _OneRing(Lasting):
+    """It forgets a ring."""
+
+    def rate(self, duty):
+        life = super().rate(duty)
+        return attrs.evolve(life, damage=2.0 * life.damage[:1])
+
+
+SOUND.append(Lasting())
 
 
 # Formulas of the friction torque -------------------------------------------------------------------------------------

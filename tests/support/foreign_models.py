@@ -51,6 +51,28 @@ class FrictionStress(DamageModel):
 def damage_models():
     return [FrictionStress]
 """,
+    "life": """
+import attrs
+from rollslip.hookspecs import hookimpl
+from rollslip.studies.rating_life.model import LifeModel, RatedLife
+
+@attrs.frozen(kw_only=True)
+class Cubic(LifeModel):
+    '''The life of ball bearings.'''
+
+    name = "NAME"
+    equation = "L = (C/P)^3"
+    references = ("Palmgren A. Ball and Roller Bearing Engineering. Burbank, 1959.",)
+    basis = "the exponent of ball bearings"
+
+    def rate(self, duty):
+        P = duty.radial_load
+        return RatedLife(revolutions=1e6 * (duty.dynamic_rating / P) ** 3, equivalent_load=P)
+
+@hookimpl
+def life_models():
+    return [Cubic]
+""",
     "engine": """
 import attrs
 from rollslip.hookspecs import hookimpl

@@ -127,6 +127,10 @@ class TestTorque(Conformance):
     models = (*box("torque"), get_model("torque", "skf", series="23", drag="2006"))
 
 
+class TestLife(Conformance):
+    models = (*box("life"), get_model("life", "iso16281", edge_stress=False))
+
+
 class TestRings(Conformance):
     models = (
         get_model("ring", "rigid"),
@@ -155,6 +159,7 @@ def test_no_kind_is_left_out():
         "thermal",
         "damage",
         "torque",
+        "life",
     }
     assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "ring", *DATA}
 

@@ -6,8 +6,9 @@ is known.
 
     python tools/references/catalogue_ratings.py [RATINGS.csv]
 
-The file has a row for each bearing: ``designation``, ``series``, ``bore_code``, ``reinforced_E`` (True or False), and
-``C0_kN`` as printed; lines that begin with # are comments. Without one ``catalogue_ratings.csv`` is read, single facts
+The file has a row for each bearing: ``designation``, ``series``, ``bore_code``, ``reinforced_E`` (True or False),
+``C0_kN`` and ``C_kN`` as printed; lines that begin with # are comments. Without one ``catalogue_ratings.csv`` is read,
+single facts
 out of a maker's catalogue of 162 bearings: six of each series, in the middle of each sixth of its sizes, chosen by that
 and not by how well they fit. What is printed is mean, standard deviation and worst of each series.
 """

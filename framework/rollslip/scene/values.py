@@ -257,6 +257,11 @@ class Models:
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
         doc="formulas of the friction torque to compare with the losses: one, several, or [] for none",
     )
+    life: tuple[ModelChoice, ...] = field(
+        default=(ModelChoice(name="iso281"), ModelChoice(name="iso16281")),
+        validator=attrs.validators.min_len(1),
+        doc="what rates the life of the bearing: one model or several, the first one in summaries",
+    )
 
     @property
     def neighbour_friction(self) -> float | None:

@@ -1,8 +1,9 @@
-"""The rules of models of a whole bearing: thermal and damage models, formulas of the friction torque, and rings.
+"""The rules of models of a whole bearing: heat, damage, friction torque by formulas, rating life, and rings.
 
 - Heat is conserved and flows from warm to cold.
 - Damage models are evaluated on slices that the laws of a bearing have filled (`_contacts`).
 - Each term of a friction torque resists the motion, and not less with more load.
+- A rating life is finite and shorter under more load.
 - Flexible rings take a part of a preload.
 """
 
@@ -21,6 +22,7 @@ from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.search import Array
+from rollslip.studies.rating_life.model import LifeDuty, LifeModel, modified_factor
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.studies.surface_damage.model import Contacts, DamageModel, harm
 from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
@@ -61,9 +63,9 @@ def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
         )
 
 
-@rule(ThermalModel, DamageModel, TorqueFormula, RingModel)
+@rule(ThermalModel, DamageModel, TorqueFormula, LifeModel, RingModel)
 def check_has_an_equation_and_references(
-    model: ThermalModel | DamageModel | TorqueFormula | RingModel,
+    model: ThermalModel | DamageModel | TorqueFormula | LifeModel | RingModel,
 ) -> None:
     """A name, an equation, and references."""
     refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
@@ -343,6 +345,59 @@ def check_oil_without_density_is_refused_or_accepted(formula: TorqueFormula) -> 
         refuse_unless(
             known == sum(_torque(formula, duty).values()),
             "without a density the torque is another one",
+        )
+
+
+# Rating lives ---------------------------------------------------------------------------------------------------------
+
+
+def _life_duties() -> Iterator[LifeDuty]:
+    """Yield random loads on half of 20 rollers, uneven along them, the same in each run."""
+    random = np.random.default_rng(9)
+    orbit = np.maximum(np.cos(0.1 * np.pi * np.arange(20)), 0.0)
+    for slices in range(2, _DRAWN):
+        load = 10.0 ** random.uniform(2.0, 5.0)
+        yield LifeDuty(
+            rollers=20,
+            roller_diameter=0.01,
+            roller_length=0.01,
+            pitch_diameter=0.1,
+            radial_load=load,
+            dynamic_rating=load * random.uniform(2.0, 50.0),
+            load=np.tile(
+                25.0 * load * orbit[:, None] * random.uniform(0.2, 1.0, slices), (2, 1, 1, 1)
+            ),
+            widths=np.full(slices, 0.01 / slices),
+        )
+
+
+@rule(LifeModel)
+def check_more_load_shortens_the_life(model: LifeModel) -> None:
+    """A life is finite and above zero, and twice the load shortens it."""
+    for duty in _life_duties():
+        doubled = attrs.evolve(duty, radial_load=2.0 * duty.radial_load, load=2.0 * duty.load)
+        longer, shorter = (model.rate(loaded).revolutions for loaded in (duty, doubled))
+        refuse_unless(
+            0.0 < shorter < longer < math.inf,
+            f"{longer:.6g} revolutions at {duty.radial_load:.3g} N, {shorter:.6g} at twice the load",
+        )
+
+
+@rule(LifeModel)
+def check_fractions_of_the_damage_add_up(model: LifeModel) -> None:
+    """Fractions of the damage are those of all slices, and the modified life is finite."""
+    for duty in _life_duties():
+        life = model.rate(duty)
+        factor = modified_factor(life, 1.0, 0.1 * duty.radial_load)
+        refuse_unless(0.0 < factor < math.inf, f"the modification factor is {factor!r}")
+        if life.damage is None:
+            raise Inapplicable("it does not say where damage arises")
+        damage = np.asarray(life.damage)
+        refuse_unless(
+            damage.shape == (2, duty.widths.size)
+            and bool(np.all(damage >= 0.0))
+            and abs(float(damage.sum()) - 1.0) < _ROUNDING,
+            f"damage of shape {damage.shape} adds up to {float(damage.sum()):.6g}, not 1",
         )
 
 

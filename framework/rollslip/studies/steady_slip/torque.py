@@ -110,7 +110,7 @@ class Duty:
             roller_diameter=bearing.roller_diameter,
             supply=assembly.scene.lubrication.supply,
             oil_level=assembly.scene.lubrication.oil_level,
-            pitch_diameter=0.5 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter),
+            pitch_diameter=bearing.pitch_diameter,
             radial_load=operation.radial_load,
             speed=abs(operation.inner_speed - operation.outer_speed),
             viscosity=oil.at(T).viscosity,

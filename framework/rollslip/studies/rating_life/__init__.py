@@ -1,0 +1,1 @@
+"""Models of the rating life of a bearing."""
