@@ -23,6 +23,7 @@ STUDIES = {
     "dynamics-history": VERDICT,
     "effective-friction": VERDICT,
     "friction-curve": r"friction 0\.\d+ at \d+ % slide-roll ratio",
+    "rating-life": r"rating life [\d,]+ h \(ISO/TS 16281: [\d,]+ h\), C/P \d",
     "raceway-friction": r"effective friction up to 0\.\d+ at the inner ring, 0\.\d+ at the outer",
     "steady-slip": VERDICT,
     "steady-slip-largest-drag": VERDICT,

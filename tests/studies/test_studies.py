@@ -61,6 +61,7 @@ def test_the_studies_of_the_box_are_offered_like_those_of_others():
             "dynamics",
             "effective-friction",
             "friction-curve",
+            "rating-life",
             "raceway-friction",
             "steady-slip",
             "surface-damage",

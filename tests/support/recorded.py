@@ -57,6 +57,8 @@ RESULTS = {
     f"--set models.thermal.oil_flow=15g/s --set study.thermal-balance.duration=1h {COARSE}",
     "surface-damage": "run turbine --study surface-damage "
     f'--set models.damage=["pass-energy","film-parameter"] {COARSE}',
+    "rating-life": "run turbine --study rating-life --set operation.radial_load=20kN "
+    f"--set study.rating-life.hours=20000 {COARSE}",
     "dynamics": f"run {SCENE} --study dynamics --set study.dynamics.duration=2ms "
     f"--set study.dynamics.points=21 {COARSE}",
     "dynamics-history": f"run {SCENE} --study dynamics --set study.dynamics.duration=20ms "

@@ -1,0 +1,1 @@
+"""Study life: rating life of the bearing, by models of kind life, and where the damage arises."""
