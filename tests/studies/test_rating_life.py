@@ -85,7 +85,7 @@ def test_the_ring_that_turns_relative_to_the_load_follows_from_the_scene():
 
 @pytest.mark.parametrize("tilt", ["0 mrad", "1 mrad"])
 def test_in_the_range_of_the_edge_factor_slices_of_the_standard_lead_to_the_same_life(tilt):
-    """A profiled roller under 0.13 C0: 41 equal slices, with the factor as it is written, against the integral."""
+    """A profiled roller under 0.15 C0: 41 equal slices, with the factor as it is written, against the integral."""
     assembly = assemble(evolve(GEARBOX, LOADED | {"operation.misalignment": tilt}))
     equal = attrs.evolve(assembly.resolution, slices=41, quadrature="equal", n_positions=4)
     duty = LifeDuty.of(assembly.at(equal))

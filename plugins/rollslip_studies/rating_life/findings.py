@@ -11,11 +11,10 @@ from rollslip.results.curves import json_value
 from rollslip.results.dataset import xr
 from rollslip.results.text import percent, two_digits
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 
 __all__ = ["RatingLifeAccount", "format_hours", "split_models"]
 
-#: Command for the slip of the cage, which a rating life leaves out.
-_NEXT: Final = "rollslip run {scene} --study steady-slip"
 
 
 def split_models(dataset: "xr.Dataset") -> "list[xr.Dataset]":
@@ -133,7 +132,7 @@ class RatingLifeAccount(Account):
             rows=tuple(_rows(dataset)),
             assumed=(f"contamination factor e_C {float(dataset['contamination_factor']):g}",),
             faults=tuple(_limits(dataset)),
-            next=(_NEXT,),
+            next=(RUN_STEADY_SLIP,),
         )
 
     @staticmethod
