@@ -16,7 +16,6 @@ from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 __all__ = ["RatingLifeAccount", "format_hours", "split_models"]
 
 
-
 def split_models(dataset: "xr.Dataset") -> "list[xr.Dataset]":
     """Return a dataset for each model."""
     return [dataset.isel(life_model=k) for k in range(dataset.sizes["life_model"])]
