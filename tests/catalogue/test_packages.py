@@ -125,7 +125,7 @@ def test_the_box_is_a_package_like_any_other():
     assert {offer.state for offer in box.offers} == {"ok"}
     assert as_dicts([box])[0]["version"] == box.version
     assert as_text([box]).startswith(
-        f"rollslip {box.version}: ok\n  account     alternatives, comparison, dynamics, "
+        f"rollslip {box.version}: ok\n  account     alternatives, cases, comparison, "
     )
     assert requirements()[0] == f"rollslip=={box.version}"
 

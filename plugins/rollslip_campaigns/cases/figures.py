@@ -39,7 +39,9 @@ def draw_cases(dataset: "xr.Dataset") -> "Figure":
     """Draw a circle for each case over two of the quantities that vary, or over the slip where one varies."""
     varied = [c for c in dataset.coords.values() if "key" in c.attrs and c.dtype.kind == "f"]
     varied.sort(key=lambda c: c.attrs["key"] not in _PREFERRED)
-    x, y, *_ = (*varied[:2], dataset["slip"], dataset["friction_torque"])
+    candidates = [*varied, dataset["slip"], dataset["friction_torque"]]
+    x = candidates[0]
+    y = candidates[1]
     if y.attrs.get("key") == _PREFERRED[0]:
         x, y = y, x
     sheet = Sheet()

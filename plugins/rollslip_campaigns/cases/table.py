@@ -105,22 +105,8 @@ def read_cases(given: object, known: Mapping[str, Quantity]) -> CaseTable:
     (head_place, head), *cases = rows
     problems = list[str]()
     columns = [_parse_head(cell, known, head_place, problems) for cell in head]
-    keys = [column.key for column in columns if column is not None]
-    problems += [
-        f"{head_place}: {key} stands there twice"
-        for key in dict.fromkeys(keys)
-        if keys.count(key) > 1
-    ]
-    if not set(keys) - set(_TIMES):
-        problems.append(f"{head_place}: no column has a key of the scene")
-    values = {key: list[Any]() for key in keys}
-    for place, cells in cases:
-        if len(cells) != len(columns):
-            problems.append(f"{place}: {len(cells)} values under {len(columns)} columns")
-            continue
-        for column, cell in zip(columns, cells, strict=True):
-            if column is not None:
-                values[column.key].append(column.read(cell, place, problems))
+    problems += _head_faults([column.key for column in columns if column is not None], head_place)
+    values = _read_values(columns, cases, problems)
     if problems:
         raise faults_of(source, problems)
     numbers = [column for column in columns if column and column.is_number]
@@ -136,6 +122,32 @@ def read_cases(given: object, known: Mapping[str, Quantity]) -> CaseTable:
         ),
         _fractions(values, len(cases), source),
     )
+
+
+def _head_faults(keys: Sequence[str], place: str) -> list[str]:
+    """Return the faults of the keys of a head: those that stand there twice, and if there is none of the scene."""
+    twice = [key for key in dict.fromkeys(keys) if keys.count(key) > 1]
+    faults = [f"{place}: {key} stands there twice" for key in twice]
+    if not set(keys) - set(_TIMES):
+        faults.append(f"{place}: no column has a key of the scene")
+    return faults
+
+
+def _read_values(
+    columns: Sequence["_Column | None"],
+    cases: Sequence[tuple[str, list[str]]],
+    problems: list[str],
+) -> dict[str, list[Any]]:
+    """Return the values of each column by its key, after collecting the faults of cells and rows."""
+    values = {column.key: list[Any]() for column in columns if column is not None}
+    for place, cells in cases:
+        if len(cells) != len(columns):
+            problems.append(f"{place}: {len(cells)} values under {len(columns)} columns")
+            continue
+        for column, cell in zip(columns, cells, strict=True):
+            if column is not None:
+                values[column.key].append(column.read(cell, place, problems))
+    return values
 
 
 @attrs.frozen
@@ -160,17 +172,7 @@ class _Column:
     def read(self, cell: str, place: str, problems: list[str]) -> object:
         """Return the value of a cell as the scene takes it, or None after collecting its fault."""
         try:
-            if not (self.is_time or self.is_number):
-                return self.quantity.read(int(cell) if self.quantity.whole else cell)
-            if not NUMBER.fullmatch(cell):
-                reason = "is empty" if not cell else f"{as_written(cell)} is not a number alone"
-                raise SceneError([f"{reason}; its unit stands in the head"])
-            text = f"{cell} {self.unit}".strip()
-            if not self.is_time:
-                return self.quantity.read(text if self.unit else float(cell))
-            value = in_unit(text if self.unit else float(cell), _TIMES[self.key])
-            raise_problem_if(value < 0.0, f"{as_written(cell)} is below zero")
-            return value
+            return self._value(cell)
         except FieldError as error:
             reason = error.reason
         except SceneError as error:
@@ -180,6 +182,22 @@ class _Column:
         problems.append(f"{place}: {self.key}: {reason}")
         return None
 
+    def _value(self, cell: str) -> object:
+        """Return the value of a cell as the scene takes it."""
+        if not (self.is_time or self.is_number):
+            return self.quantity.read(int(cell) if self.quantity.whole else cell)
+        raise_problem_if(not cell, "is empty")
+        raise_problem_if(
+            not NUMBER.fullmatch(cell),
+            f"{as_written(cell)} is not a number alone; its unit stands in the head",
+        )
+        written = f"{cell} {self.unit}" if self.unit else float(cell)
+        if not self.is_time:
+            return self.quantity.read(written)
+        value = in_unit(written, _TIMES[self.key])
+        raise_problem_if(value < 0.0, f"{as_written(cell)} is below zero")
+        return value
+
 
 def _parse_head(
     cell: str, known: Mapping[str, Quantity], place: str, problems: list[str]
@@ -187,16 +205,17 @@ def _parse_head(
     """Return the column under a cell of the head, or None after collecting its fault."""
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     unit = rest.removesuffix("]").strip() if bracket else ""
-    si: str | None
-    if name in _TIMES:
-        quantity, si, key = None, _TIMES[name], name
-    else:
+    key = name
+    quantity = None
+    si: str | None = _TIMES.get(name)
+    if name not in _TIMES:
         matches = [key for key in known if key.endswith(f".{name}")]
         key = matches[0] if len(matches) == 1 else full_key(name)
         if key not in known:
             problems.append(f"{place}: {describe_unknown_key(key, dict(known))}")
             return None
-        quantity, si = known[key], known[key].unit
+        quantity = known[key]
+        si = quantity.unit
     if si is None and unit:
         problems.append(f"{place}: {key}: has no unit, [{unit}] is wrong here")
         return None
@@ -207,7 +226,7 @@ def _parse_head(
         return None
     try:
         if unit:
-            in_unit(f"1 {unit}", si)
+            in_unit(f"1 {unit}", si or "1")
     except UnitError as error:
         problems.append(f"{place}: {key}: {error}")
         return None
@@ -242,7 +261,8 @@ def _rows_of(given: object) -> tuple[str, list[tuple[str, list[str]]]]:
 def _rows_of_frame(given: Any) -> tuple[str, list[tuple[str, list[str]]]]:
     """Return the rows of a pandas.DataFrame."""
     try:
-        head, rows = [str(name) for name in given.columns], given.to_numpy().tolist()
+        head = [str(name) for name in given.columns]
+        rows = given.to_numpy().tolist()
     except AttributeError:
         raise SceneError(
             [

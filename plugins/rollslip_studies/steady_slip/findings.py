@@ -646,7 +646,7 @@ class SteadySlipAccount(Account):
         "curve_error": ("error by the points of the slip-drag curve", "1"),
         "rollers_weight": ("weight of all rollers, not in their loads", "N"),
     }
-    units: ClassVar[Mapping[str, str]] = {"cage_slip": "1", "losses": "W"}
+    units: ClassVar[Mapping[str, str]] = {"cage_slip": "1", "losses": "W", "inertia_effect": "1"}
 
     figures_function = ".figures:steady_figures"
 
