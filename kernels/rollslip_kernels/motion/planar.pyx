@@ -1043,6 +1043,6 @@ def land(
 
     ``numbers`` are the members of `rs_land` (rollslip_land.pxd) except the guidance.
     """
-    cdef rs_land l = {"guidance": INNER_LAND, **numbers}
-    cdef rs_land_forces f = rs_land_force(&l, x, y, vx, vy, journal_speed, bush_speed, ALL_OF_LAND)
+    cdef rs_land cage_land = {"guidance": INNER_LAND, **numbers}
+    cdef rs_land_forces f = rs_land_force(&cage_land, x, y, vx, vy, journal_speed, bush_speed, ALL_OF_LAND)
     return f.x, f.y, f.journal, f.bush, -f.stored, f.lost
