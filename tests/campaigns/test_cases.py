@@ -165,6 +165,18 @@ def test_all_faults_of_a_table_stand_in_one_error(tmp_path):
     ]  # fmt: skip
 
 
+def test_whole_numbers_may_be_written_as_spreadsheets_do(tmp_path):
+    made = planned(written(tmp_path, "bearing.rollers, radial_load [kN]", "26.0, 5", "28, 5"))
+    assert made.sweep.design.changes(0)["bearing.rollers"] == 26
+    with pytest.raises(SceneError, match=r"duty.csv:2: bearing.rollers: 'x' is not a number"):
+        planned(written(tmp_path, "bearing.rollers", "x"))
+
+
+def test_a_file_that_is_no_workbook_is_refused(tmp_path):
+    with pytest.raises(SceneError, match=r"duty.xlsx: cannot be read: File is not a zip file"):
+        planned(written(tmp_path, "hello", name="duty.xlsx"))
+
+
 def test_a_name_that_is_not_known_is_refused(tmp_path):
     with pytest.raises(UnknownNameError, match=r"models.film: no film is called 'moe'"):
         planned(written(tmp_path, "models.film", "moe"))

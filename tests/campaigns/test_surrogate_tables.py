@@ -239,15 +239,18 @@ def test_any_sum_of_leads_and_a_square_is_found_and_nothing_else(monkeypatch):
 def test_temperatures_are_refined_until_the_drags_between_them_are_within_the_error(monkeypatch):
     rate = 0.1  # 1/K
 
+    def exponential(T):
+        return math.exp(-rate * (T - 330.0))
+
     def bearing(scene):
-        T = scene.operation.temperature
-        torque = lambda w, wi, wo: exponential(T) * (wi - w)  # noqa: E731
+        def torque(w, wi, wo):
+            return exponential(scene.operation.temperature) * (wi - w)
+
         radii = SimpleNamespace(inner_radius=1.0, outer_radius=1.0)
         return SimpleNamespace(
             kinematics=radii, cage=SimpleNamespace(drags=SimpleNamespace(torque=torque))
         )
 
-    exponential = lambda T: math.exp(-rate * (T - 330.0))  # noqa: E731
     monkeypatch.setattr(surrogate_drags, "assemble", bearing)
     monkeypatch.setattr(surrogate_drags, "at_rolling_speed", lambda bearing, u: bearing)
     ranges = dict.fromkeys(OPERATION_KEYS, (1.0, 100.0)) | {OPERATION_KEYS[0]: (330.0, 370.0)}

@@ -589,7 +589,7 @@ def test_unimportant_values_are_shown_for_what_they_are(results, figures, tmp_pa
     assert "study.x.points.2.t2.5" in text
 
 
-def test_plan_errors_and_times_stand_where_their_heads_say(results, figures, tmp_path):
+def test_plan_and_errors_stand_where_their_heads_say(results, figures, tmp_path):
     rows = [
         {
             "result": "friction",
@@ -599,14 +599,13 @@ def test_plan_errors_and_times_stand_where_their_heads_say(results, figures, tmp
             "how": "afterwards",
         }
     ]
-    said = provenance(accuracy=json.dumps(rows), cost=json.dumps({"actual": 2.0, "estimated": 3.0}))
+    said = provenance(accuracy=json.dumps(rows))
     text = Page(written(results, figures, tmp_path, **said)).text
     places = [
         text.index(one)
         for one in ("Modelled", "profile x", "Left out", "nobody asked", "2.0e-04", "5.0e-04")
     ]
     assert places == sorted(places)
-    assert "Time of the processor: 2 s, estimated 3 s." in text
 
 
 def test_contacts_at_light_load_are_flagged(page, results):

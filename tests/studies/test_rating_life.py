@@ -230,6 +230,15 @@ def test_hours_have_two_digits():
     assert format_hours(3600.0 * 34210.0) == "34,000 h"
     assert format_hours(3600.0 * 0.123) == "0.12 h"
     assert format_hours(math.nan) == "not found"
+    assert format_hours(3600.0 * 1.1e6) == "above 1,000,000 h"
+
+
+def test_a_contamination_factor_that_a_scene_states_is_not_assumed():
+    stated = rollslip.run(
+        evolve(GEARBOX, {"study.rating-life.contamination_factor": 0.3}), "rating-life"
+    )
+    assert stated.answer.assumed == ()
+    assert rollslip.run(GEARBOX, "rating-life").answer.assumed == ("contamination factor e_C 0.5",)
 
 
 def test_a_plan_has_loads_and_models_and_no_friction():

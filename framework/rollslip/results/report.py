@@ -48,7 +48,6 @@ from rollslip.results.text import (
     with_unit,
 )
 from rollslip.scene.schema import rows_of, schema
-from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS
 
 __all__ = ["is_report", "write_report"]
@@ -231,26 +230,7 @@ def _finding(part: str | list[str] | Table) -> str:
         return html_table(part.head, part.rows, capitalise(part.caption))
     if isinstance(part, str):
         return _tag("p", capitalise(part))
-    return _list(f"{capitalise(text)}." for text in _merged(part))
-
-
-def _merged(sentences: Iterable[str]) -> list[str]:
-    """Return sentences in which curves with the same status, the part up to the first full stop, share it."""
-    by_status = dict[str, list[tuple[str, str]]]()
-    for sentence in sentences:
-        name, _, rest = sentence.partition(": ")
-        status, _, further = rest.partition(". ")
-        by_status.setdefault(status if further else sentence, []).append((name, further))
-    merged = []
-    for status, found in by_status.items():
-        common = {text.rpartition(" ")[0] for _, text in found}
-        if len(found) > 1 and len(common) == 1:
-            names = ", ".join(name for name, _ in found)
-            ends = ", ".join(f"{text.rpartition(' ')[2]} ({name})" for name, text in found)
-            merged.append(f"{names}: {status}. {common.pop()} {ends}")
-        else:
-            merged += [f"{name}: {status}. {text}" if text else status for name, text in found]
-    return merged
+    return _list(f"{capitalise(text)}." for text in part)
 
 
 def _figures(figures: Mapping[str, Sequence[Path]], leading: str) -> tuple[str, str, str]:
@@ -299,7 +279,7 @@ def _figure(svg: str, number: int, name: str) -> str:
 
 
 def _plan(datasets: Datasets) -> str:
-    """Return the lines of the plan, errors and times.
+    """Return the lines of the plan, and errors.
 
     Lines of several studies are shown once. Models are in a section of their own, and ``rollslip plan -v`` prints all
     of the reasons.
@@ -337,7 +317,7 @@ def _plan(datasets: Datasets) -> str:
 
 
 def _accuracy(datasets: Datasets) -> str:
-    """Return the errors against their tolerances, and the times of the processor."""
+    """Return the errors against their tolerances."""
     errors = list[list[str]]()
     for name, rows in _named(datasets, "accuracy"):
         errors += [[name.strip(" ()"), "", "", ""]] * bool(name)
@@ -346,12 +326,7 @@ def _accuracy(datasets: Datasets) -> str:
                 "" if row[key] is None else f"{row[key]:.1e}" for key in ("estimated", "found")
             )
             errors.append([row["result"].replace("_", " "), f"{row['tolerance']:g}", *known])
-    body = html_table(("error", "tolerance", "estimated before", "found"), errors)
-    times = "; ".join(
-        f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}{name}"
-        for name, cost in _named(datasets, "cost")
-    )
-    return body + (_tag("p", f"Time of the processor: {times}.") if times else "")
+    return html_table(("error", "tolerance", "estimated before", "found"), errors)
 
 
 def _models(datasets: Datasets) -> str:

@@ -30,7 +30,7 @@ def case_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     if (dataset["status"] == "ok").any():
         yield (
             "cases",
-            "Load cases by verdict; areas are in proportion to the time that a case takes.",
+            "Load cases by verdict; areas grow with the time that a case takes.",
             draw_cases(dataset),
         )
 

@@ -1,6 +1,7 @@
 """Report a table of load cases as sentences, tables and plain values, from its dataset alone."""
 
 import json
+import shlex
 from typing import Any, Final
 
 import numpy as np
@@ -151,7 +152,7 @@ def _run_of(dataset: "xr.Dataset", index: int) -> str:
         for c in case.coords.values()
         if "key" in c.attrs
     ]
-    return " ".join(["rollslip run", str(dataset.attrs["source"]), *changes])
+    return " ".join(["rollslip run", shlex.quote(str(dataset.attrs["source"])), *changes])
 
 
 def _as_written(coordinate: "xr.DataArray") -> str:

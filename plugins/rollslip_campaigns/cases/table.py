@@ -4,6 +4,7 @@ import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Final
+from zipfile import BadZipFile
 
 import attrs
 import numpy as np
@@ -184,8 +185,8 @@ class _Column:
 
     def _value(self, cell: str) -> object:
         """Return the value of a cell as the scene takes it."""
-        if not (self.is_time or self.is_number):
-            return self.quantity.read(int(cell) if self.quantity.whole else cell)
+        if not (self.is_time or self.is_number or self.quantity.whole):
+            return self.quantity.read(cell)
         raise_problem_if(not cell, "is empty")
         raise_problem_if(
             not NUMBER.fullmatch(cell),
@@ -284,7 +285,7 @@ def _rows_of_workbook(path: Path) -> list[tuple[str, list[str]]]:
         ) from None
     try:
         sheet = load_workbook(path, read_only=True, data_only=True).worksheets[0]
-    except (OSError, ValueError, KeyError, InvalidFileException) as error:
+    except (OSError, ValueError, KeyError, BadZipFile, InvalidFileException) as error:
         raise SceneError([f"{readable(str(path))}: cannot be read: {error}"]) from error
     return [
         (f"{readable(path.name)}: row {number}", ["" if c is None else str(c).strip() for c in row])

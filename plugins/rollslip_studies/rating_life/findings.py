@@ -15,6 +15,9 @@ from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 
 __all__ = ["RatingLifeAccount", "format_hours", "split_models"]
 
+#: Hours above which a life is printed without a number. Chosen: a century, in which other causes end a bearing.
+_MAX_HOURS: Final = 1_000_000
+
 
 def split_models(dataset: "xr.Dataset") -> "list[xr.Dataset]":
     """Return a dataset for each model."""
@@ -31,6 +34,8 @@ def format_hours(seconds: float) -> str:
     """
     if not math.isfinite(seconds):
         return "not found"
+    if seconds > 3600.0 * _MAX_HOURS:
+        return f"above {_MAX_HOURS:,} h"
     whole, point, rest = two_digits(seconds / 3600.0).partition(".")
     return f"{int(whole):,}{point}{rest} h"
 
@@ -126,10 +131,12 @@ class RatingLifeAccount(Account):
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the lives of all models, the rating, kappa and the largest load."""
+        factor = float(dataset["contamination_factor"])
+        is_assumed = dataset.attrs.get("contamination_is_assumed")
         return Answer(
             summary=_summary(dataset),
             rows=tuple(_rows(dataset)),
-            assumed=(f"contamination factor e_C {float(dataset['contamination_factor']):g}",),
+            assumed=(f"contamination factor e_C {factor:g}",) if is_assumed else (),
             faults=tuple(_limits(dataset)),
             next=(RUN_STEADY_SLIP,),
         )

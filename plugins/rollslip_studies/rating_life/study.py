@@ -60,6 +60,8 @@ _RUN_COST: Final = 30
 _MAX_STEPS: Final = 60
 #: Relative change of the load at which that search ends. Doubling it ends the search hardly earlier.
 _LOAD_TOLERANCE: Final = 1e-7
+#: Contamination factor e_C where a scene states none: the lower end of normal cleanliness of small bearings (D).
+_ASSUMED_CONTAMINATION: Final = 0.5
 #: Load over static rating up to which the standards hold (ISO 281).
 _MAX_LOAD_FRACTION: Final = 0.5
 #: Load over dynamic rating below which makers expect rollers to slide.
@@ -140,7 +142,7 @@ class RatingLife(Study):
     )
 
     contamination_factor: float = parameter(
-        default=0.5,
+        default=_ASSUMED_CONTAMINATION,
         unit="1",
         doc="contamination factor e_C of ISO 281: 1 for extreme cleanliness, 0 for severe contamination; by default "
         "the lower end of normal cleanliness of small bearings (D)",
@@ -287,6 +289,7 @@ class RatingLife(Study):
             "life_limits": "; ".join(_limits(assembly, duty)),
             "largest_line_load": duty.load.max(axis=(1, 2)),
         }
+        is_assumed = int(self.contamination_factor == _ASSUMED_CONTAMINATION)
         models = life_models(scene)
         rows = [self._rate(model, assembly, duty, values) for model in models]
         by_model = {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -305,7 +308,7 @@ class RatingLife(Study):
                     about("m", "position along the roller from its middle"),
                 ),
             },
-            attrs=self.attributes,
+            attrs=self.attributes | {"contamination_is_assumed": is_assumed},
         )
 
     def _rate(
