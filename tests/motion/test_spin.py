@@ -38,7 +38,7 @@ def test_an_orbit_of_linear_torques_is_the_solution_of_its_linear_system():
     change[0, -2] = 0.5
     change[1, -1] = 0.5
     expected = np.linalg.solve(inertia * change + np.diag(slopes), slopes * AT)
-    slip, multiplier, left, ended = Spin(POSITIONS, linear, RADII, ROLLING).periodic(
+    slip, multiplier, left, ended = Spin(POSITIONS, linear, RADII, ROLLING).find_periodic(
         np.zeros(POSITIONS), inertia
     )
     assert not ended
@@ -49,7 +49,7 @@ def test_an_orbit_of_linear_torques_is_the_solution_of_its_linear_system():
 
 
 def test_torques_balance_where_each_rises_through_zero():
-    place, lost, ended = Spin(POSITIONS, wavy, RADII, ROLLING).balanced(
+    place, lost, ended = Spin(POSITIONS, wavy, RADII, ROLLING).find_balances(
         np.full(POSITIONS, -1.0), np.full(POSITIONS, 1.0)
     )
     assert not ended
@@ -70,7 +70,7 @@ def test_a_place_given_twice_is_kept_and_one_without_balance_is_told():
     high = np.full(POSITIONS, 1.0)
     low[1:] = high[1:]
     unknown = np.full((2, POSITIONS), np.nan)
-    place, lost, ended = Spin(POSITIONS, lambda _: (unknown, unknown), RADII, ROLLING).balanced(
+    place, lost, ended = Spin(POSITIONS, lambda _: (unknown, unknown), RADII, ROLLING).find_balances(
         low, high
     )
     assert ended == "lost"
@@ -90,8 +90,8 @@ def test_errors_of_forces_come_back_as_they_are():
     ("call", "told"),
     [
         (lambda spin: spin.torques(np.zeros(3)), "3 values for 41 positions"),
-        (lambda spin: spin.at(np.zeros(41), np.zeros(4)), "41 and 4 speeds for 41 positions"),
-        (lambda spin: spin.balanced(np.zeros(41), np.zeros(2)), "2 values for 41 positions"),
+        (lambda spin: spin.set_leads(np.zeros(41), np.zeros(4)), "41 and 4 speeds for 41 positions"),
+        (lambda spin: spin.find_balances(np.zeros(41), np.zeros(2)), "2 values for 41 positions"),
     ],
 )
 def test_sizes_that_do_not_fit_are_refused(call, told):
@@ -116,6 +116,6 @@ def test_friction_of_a_pocket_is_against_the_spin():
 def test_rows_that_do_not_exist_are_refused():
     one = Spin(POSITIONS, linear, RADII, ROLLING)
     with pytest.raises(ValueError, match="row 1 of 1 does not exist"):
-        one.periodic_rows(
+        one.find_periodic_rows(
             np.array([1]), POSITIONS, np.ones(1), np.zeros((1, POSITIONS)), np.ones(1)
         )

@@ -1,21 +1,31 @@
-"""Spin of rollers at steady slips of the cage: where their torques balance, and motions that repeat after an orbit.
+"""Spin of the rollers of a steady cage: where torques on a roller balance, and motions that repeat after an orbit.
 
-- The unknown is the slip of a roller, S_r, at every position; a torque depends on the slip at its own position alone.
-- Contacts are a compiled chain on the loaded slices, or a Python call. Of a chain only the slices of rollers are
-  evaluated that are still looked for: they are gathered into a table, roller by roller.
-- Balances are found by secants, halved where they are slow. One after the other along the cage slip, each begins from
-  the cubic through what those before have found, and with their slopes, so that four evaluations find it. Where a
-  balance ends, the roller goes on in the sense of its torque to the next one, and stays there.
-- Whether a balance ends between two slips, or only went where the cubic does not lead, is looked into: each roller goes
-  there in steps of its own, halved until the cubic leads or the step is nothing. So the balance that a roller is in
-  depends on the slip, not on the slips that were asked for before it.
-- Where torques rise through zero is where the rollers hold their spin, so brackets end there.
-- Many rows of one orbit each, at cage slips of their own, are marched round the orbit at once: implicit Euler along the
-  positions, at each of which a roller goes in the sense of its torque to the first balance of torque and change
-  of its spin. Such
-  motions are ordered, so what is marched from both ends of a bracket encloses all that repeat, and where both have
-  met there is one. Rows are not evaluated any more as soon as they have come to what they were an orbit before.
-- How torques are made of forces stands in the Python module `torque_balance` of the studies.
+The unknown is the roller slip S_r at each of K positions round the orbit. G(S_r) is the torque on the spin of a
+roller, which depends on the slip at its own position alone. It comes from a compiled chain on the loaded slices, from a
+friction curve of a whole contact, or from a Python function. How torques follow from forces stands in the Python module
+`torque_balance` of the studies.
+
+Three problems are solved:
+
+`continue_balances`
+    Without inertia, G(S_r) = 0 at every position, for ascending cage slips, by continuation. The predictor is the cubic
+    through the last balances of a roller, the corrector the secant method, safeguarded by a bracket. Where the
+    corrector ends away from the predictor, the step is halved, down to a cage slip at which the balance has ended. Then
+    the roller goes on, in the sense of its torque, to the next balance, and stays there. So the balance of a roller
+    depends on the cage slip, and not on the cage slips that were asked for before. A balance is stable where G rises
+    through zero.
+`march_orbits`
+    With inertia, c (s_k - s_(k-1)) + G_k(s_k) = 0, implicit Euler along the positions, from two roller slips at the
+    first position, for many cage slips at once. At every position a roller goes in the sense of its torque to the first
+    zero. Such motions are ordered, so that two marches from both ends of a bracket enclose all periodic motions, and
+    where both have met there is one only. A march ends when it has come to what it was an orbit before. Marches of
+    second order take (3 s_k - 4 s_(k-1) + s_(k-2))/2 in place of the difference.
+`find_periodic_rows`
+    With inertia, the same with differences of second order and periodic ends, by Newton's method, whose linear systems
+    are cyclic and banded.
+
+Of a chain only the slices of those rollers are evaluated whose slip is still searched: they are gathered into a table,
+roller by roller. A *row* is the orbit of one cage slip, K positions of all.
 """
 
 import numpy as np
@@ -34,707 +44,902 @@ cdef enum:
     INNER
     OUTER
 
-cdef enum:   # how it ended; below, the ring whose chain refused
+cdef enum:   # status of a search: found, not found, or an exception is set; INNER and OUTER if a chain refuses a slice
     FOUND = 2
-    LOST
+    NOT_FOUND
     RAISED
 
-cdef enum:           # where a roller is on its way to a balance
-    STANDS = -1
-    LOOKS
-    BETWEEN
-    GUESSED          # it goes where the slope of the balance before leads
-    NEARS
+cdef enum:   # what a walker of a march does at a position
+    STARTS = -1      # it is evaluated where it was at the position before
+    SEARCHES         # it steps in the sense of its torque until the residual changes its sign
+    BRACKETED        # the balance is between two evaluations
+    FROM_SLOPE       # its first step follows from the slope of the balance at the position before
+    BY_SECANTS       # its next steps are secants without a bracket
+
+# Forces ---------------------------------------------------------------------------------------------------------------
 
 cdef enum:
-    LANES = 8            # slices of the widest vectors
-    MARCHES = 400        # steps towards a balance at one position
-    SECANTS = 5          # of these without a bracket
-    STEPS = 80           # of Newton's method
-    OUTRIGHT = 40        # of one that sets out without damping, and mostly needs 4 to 10
-    BISECTIONS = 120
-    NEAR = 4             # known rows that the next one goes on from
+    LANES = 8         # slices of the widest vectors of the processor
+    N_FORCE_ROWS = 6  # rows of the working memory for leads, tractions and resistances of both rings
+    N_SCRATCH = 10    # rows of it for each search
 
-cdef double SETTLED = 1e-9     # Newton's method ends at a step of this, relative to the largest roller slip
-cdef double ROUNDING = 1e-13   # or when what is left is rounding, relative to what it is the difference of
-cdef double REACH = 10.0       # largest step of the roller slip; what the rollers hold is never as far
-cdef double WORSE = 3.0        # how much larger a residual may get in a step: disturbances are carried round first
-cdef double LEAST = 1e-3       # least damping, relative to the steepest torque
-cdef double EXPONENT = 600.0   # beyond it nothing is left of a disturbance, or everything lost
-cdef double NUDGE = 1e-7       # step of the roller slip by which torques are differentiated
-cdef double FAR_OFF = 0.1      # step up to which its secants serve, relative to the largest slip: more spans humps
-cdef double CLOSE = 1e-9       # and up to which they are made of rounding
-cdef double BALANCED = 1e-14   # last and first step of secants, relative to the bracket
-cdef double APART = 1e-3
-cdef double BENDS = 100.0      # by how much a slope may change over the bracket, relative to it
-cdef double LEAP = 0.02        # first step to where nothing is known, relative to the bracket
-cdef double MISS = 0.005       # of a guess, relative to the bracket, by which it is another balance
-cdef double FLAT = 1e-3        # least share of that, where torques hardly rise through zero
-cdef double NOTHING = 1e-4     # step of the slip, relative to it, over which a balance that is missed has ended
-cdef double GROWS = 2.0        # by how much a step along the slip may be longer than the one before,
-cdef double FAR = 1.5          # and by how much it may multiply the slip
-cdef double WIDE = 0.5         # span of shares that are not of one motion
-cdef double ALONG = 0.04        # longest step towards a balance in which none is lost, relative to the bracket,
-cdef double BEYOND = 0.1        # and to the way outside it; tractions change over the way from rolling
-cdef double NARROW = 1e-3       # least bracket that counts
-cdef double FIRST = 1e-6        # first step where the slope is not known, relative to the bracket
-cdef double OVER = 1.2          # by how much a step goes beyond where the slope leads
-cdef double ALIKE = 1.5         # factor by which slopes of a balance differ from one position to the next, at most
-cdef double CURVES = 5.0        # by how much a slope may change over the width, relative to it
-cdef double MET = 10.0          # exactness of balances within which two motions are one
-cdef double FORESEEN = 0.02     # share of a row's way that is left after an orbit within which two will be one
-cdef double GOES_ON = 0.05      # mean change from row to row up to which what second order adds is about the same
-cdef double SLOWLY = 1e-2       # surface speed over which the friction of a pocket changes its sign [m/s]
+# Surface speed of a roller over which the friction of a pocket changes its sign [m/s]. Doubled, pockets brake rollers
+# that hardly turn less. Chosen, far below surface speeds of bearings, so that the friction has no jump.
+cdef double POCKET_TRANSITION_SPEED = 1e-2
+
+# Balances at cage slips -----------------------------------------------------------------------------------------------
+
+cdef enum:
+    MAX_SECANTS = 120     # steps at most; every third one halves the bracket at least
+    N_PREDICTORS = 4      # balances through which the predictor goes: a cubic
+
+# Step of a secant at which a balance is found, relative to the bracket: some roundings.
+cdef double BALANCE_TOLERANCE = 1e-14
+# First step of a secant where no slope is known, relative to the bracket. Chosen.
+cdef double FIRST_SECANT = 1e-3
+# Largest change of a slope over the bracket, relative to it: bounds what a secant leaves of a step that is small by
+# chance. Doubled, some balances take a step more. Chosen.
+cdef double MAX_SLOPE_CHANGE = 100.0
+# First step into a part of the bracket in which no torque is known, relative to the bracket, in a continuation. It is
+# doubled from step to step. Doubled, a balance that is nearer may be passed over. Chosen.
+cdef double FIRST_STEP_BEYOND = 0.02
+# Distance from the predictor, relative to the bracket, from which on a balance is another one. Chosen; 48 pairs of
+# bearings have the same torques to 1e-9 without this limit.
+cdef double MAX_PREDICTOR_MISS = 0.005
+# Smallest fraction of that distance, where torques hardly rise through zero. Chosen.
+cdef double MIN_FLATNESS = 1e-3
+# Step of the cage slip, relative to it, over which a balance that is missed has ended. Halved, it takes one more
+# halving of the step to see that. Chosen.
+cdef double MIN_SLIP_STEP = 1e-4
+# By how much a step of the cage slip may be longer than the one before, and by how much it may multiply the cage slip.
+# Chosen.
+cdef double MAX_STEP_GROWTH = 2.0
+cdef double MAX_SLIP_RATIO = 1.5
+# Difference of normalised roller slips from which on two known balances are not of one motion: half of the range.
+cdef double MAX_JUMP = 0.5
+
+# Marches --------------------------------------------------------------------------------------------------------------
+
+cdef enum:
+    MAX_MARCH_STEPS = 400   # steps towards a balance at one position
+    MAX_FREE_SECANTS = 5    # of these without a bracket
+
+# Longest step in which no balance is passed over, relative to the bracket and to the way outside the bracket. Tractions
+# change over the way from rolling. Chosen.
+cdef double MAX_STEP_INSIDE = 0.04
+cdef double MAX_STEP_OUTSIDE = 0.1
+# Narrowest bracket to which steps are relative, as a roller slip.
+cdef double MIN_BRACKET = 1e-3
+# First step where no slope is known, relative to the bracket. Chosen.
+cdef double FIRST_MARCH_STEP = 1e-6
+# By how much a step goes beyond where the slope leads, so that it brackets the balance. Chosen.
+cdef double OVERSTEP = 1.2
+# Factor by which the slope at a balance differs at most from that at the position before; with other slopes the balance
+# is searched from the position before. Chosen.
+cdef double MAX_SLOPE_RATIO = 1.5
+# Largest change of a slope over the width of a row, relative to it: bounds what a secant leaves of its step. Chosen.
+cdef double MAX_MARCH_SLOPE_CHANGE = 5.0
+# Two walkers have met at this distance, in tolerances of a balance. Chosen, more than one tolerance of each.
+cdef double MET_TOLERANCES = 10.0
+# Distance between the extrapolated ends of two marches, relative to the width of a row, within which both are of one
+# motion. Doubled, fewer orbits are marched, and motions that are near each other are taken for one. Chosen.
+cdef double SAME_END = 0.02
+
+# Periodic motions -----------------------------------------------------------------------------------------------------
+
+cdef enum:
+    MAX_NEWTON_STEPS = 40   # mostly 4 to 10 are needed
+
+# Step of Newton's method at which it ends, relative to the largest roller slip.
+cdef double NEWTON_TOLERANCE = 1e-9
+# Residual at which it ends as well, relative to the torques of which it is the difference: their rounding.
+cdef double ROUNDING = 1e-13
+# Largest step of a roller slip; roller slips of a bearing are smaller. A larger one is taken again with damping.
+cdef double MAX_NEWTON_STEP = 10.0
+# By how much a residual may grow in a step. Disturbances are carried round the orbit before they decay. Chosen.
+cdef double MAX_RESIDUAL_GROWTH = 3.0
+# Smallest damping, relative to the steepest torque. Chosen.
+cdef double MIN_DAMPING = 1e-3
+# Largest exponent of a multiplier: beyond it nothing of a disturbance is left, or all is lost.
+cdef double MAX_EXPONENT = 600.0
+# Step of the roller slip for difference quotients of torques: their rounding, 1e-16/1e-7, is 1e-9 of a slope.
+cdef double DIFFERENCE_STEP = 1e-7
+# Step, relative to the largest slip, up to which its secants serve as slopes; a longer one spans maxima. Chosen.
+cdef double MAX_SECANT_STEP = 0.1
+# Step from which on its secant is more than rounding.
+cdef double MIN_SECANT_STEP = 1e-9
+# Mean change of roller slips from row to row, relative to them, up to which the correction of second order of the row
+# before is added to a guess. Chosen; without it Newton's method mostly takes a step more.
+cdef double MAX_ROW_CHANGE = 0.05
 
 #: Of a chain: stage, table, load, force, width, first, resists; of a curve: nodes, limits, scale, force, resistance.
 Ring: TypeAlias = "tuple[object, Slices, Array, Array, Array, NDArray[np.intp], bool]"
 Curve: TypeAlias = "tuple[Array, tuple[float, float], float, Array, Array]"
 
-#: Step of the roller slip by which torques are differentiated.
-NUDGED: float = NUDGE
+#: Step of the roller slip for difference quotients of torques.
+DIFFERENTIATION_STEP: float = DIFFERENCE_STEP
 #: Surface speed over which friction against the spin changes its sign [m/s].
-SLIDES: float = SLOWLY
+TRANSITION_SPEED: float = POCKET_TRANSITION_SPEED
 
 cdef struct ring_t:
+    double *lead               # speed by which the raceway is ahead of pure rolling [m/s], (K,)
+    double *traction           # [N], (K,)
+    double *resistance         # to rolling [N], (K,)
+    size_t evaluated           # slices, or contacts of a curve, so far
+    # of a chain
     rs_model chain
-    rs_slices table
-    const double *load
-    const double *force
-    const double *width
+    rs_slices table            # slices to work in
+    Py_ssize_t capacity        # slices of the table
+    Py_ssize_t n_slices        # N loaded slices of all rollers
+    const double *load         # of a slice, per length [N/m], (N,)
+    const double *force        # of a slice [N], (N,); of a curve, of a contact, (K,)
+    const double *width        # [m], (N,)
     const Py_ssize_t *first    # slice of every roller, (K + 1,)
-    double *lead               # speed by which the raceway is ahead of pure rolling, (K,)
-    double *traction           # (K,)
-    double *resistance
-    bint resists
-    size_t evaluated
-    Py_ssize_t room            # slices of the table
-    const double *places       # where the slices are, (4, N) in the order of PLACES, or NULL where no law asks
-    Py_ssize_t loaded          # N
-    const double *nodes        # of a curve of friction over V/(|V| + scale), or NULL: value and slope per cell
+    const double *places       # (N_PLACES, N) where the slices are, or NULL where no law asks
+    bint resists               # whether the chain fills the resistance
+    # of a curve of friction over V/(|V| + scale)
+    const double *nodes        # value and slope per cell, (cells + 1, 2), or NULL of a chain
     Py_ssize_t cells
-    double scale
-    double begin               # of the abscissa of that curve
+    double scale               # [m/s]
+    double begin               # of the abscissa
     double end
-    const double *held         # its resistances without slip, (K,)
+    const double *constant_resistance   # without slip [N], (K,)
+
+cdef struct walker_t:   # one of two marches of a row
+    Py_ssize_t row           # index among the rows that are marched
+    Py_ssize_t last_step     # it has been everywhere since both met
+    int state
+    int count                # of secants without a bracket, or how often one end of the bracket has stayed
+    double previous          # roller slip of which the difference quotient is taken
+    double position_before   # roller slip at the position before
+    double slope             # of the residual over the roller slip
+    double low               # last slip on this side of the balance, and the residual there
+    double residual_low
+    double high              # slip beyond the balance, and the residual there
+    double residual_high
+    double change_before     # relative changes over the orbit before the last, and over the last
+    double change
+    double end               # to which the slips at the first position converge, extrapolated
 
 
 cdef class Spin:
     """Torques of rollers at K positions.
 
-    ``rings`` holds, of inner and outer ring, (stage, table, load, force, width, first, resists): the capsule of the
-    chain, a table of slices to work in, and of all loaded slices load, force and width, with the first one of every
-    position, (K + 1,), and last, where a law asks, where they are, (4, N). A ring with one friction curve is (nodes,
-    limits, scale, force, resistance) instead: values and slopes per cell, (N, 2), at equal steps of V/(|V| + scale)
-    between the limits, and forces and resistances (K,).
-    Or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
-    ``radii`` are those of inner and outer raceway, roller and orbit [m], ``rolling`` is the speed of epicyclic rolling
-    and ``slow`` the one that the film never falls below [m/s], ``pocket`` a coefficient of friction. ``brakes`` are
-    moments [N m], (K,), by which what a roller rubs against brakes its spin beside that.
+    Parameters
+    ----------
+    rollers
+        Positions, K, or K times the number of rows.
+    rings
+        Of inner and outer ring one of these, or a function that returns tractions and resistances (2, K) [N] at roller
+        slips (K,). Of a chain: its capsule, a table of slices to work in, loads per length, forces and widths of all
+        loaded slices (N,), the first slice of every position (K + 1,), whether the chain fills the resistance, and
+        last, where a law asks, places of slices (4, N). Of a friction curve: values and slopes per cell (n, 2) at equal
+        steps of V/(|V| + scale), the limits of that abscissa, the scale [m/s], forces and resistances (K,) [N].
+    radii
+        Of inner raceway, outer raceway, roller and orbit [m].
+    rolling
+        Speed of epicyclic rolling [m/s].
+    min_film_speed
+        Lower bound of the entrainment speed [m/s].
+    pocket
+        Coefficient of friction in a pocket.
+    brakes
+        Moments [N m], (K,), of neighbours against the spin.
     """
 
     cdef ring_t rings[2]
     cdef Py_ssize_t rollers
-    cdef double inner, outer, radius, orbit, rolling, slow, pocket
-    cdef double largest        # traction of the last evaluation
-    cdef bint calls            # Python for forces
-    cdef const double *brakes  # or NULL
-    cdef object python, kept
-    cdef double[:, ::1] work
-    cdef Py_ssize_t[::1] active   # positions that are evaluated, and where their slips and torques stand
-    cdef Py_ssize_t[::1] slot
+    cdef double inner_radius
+    cdef double outer_radius
+    cdef double roller_radius
+    cdef double orbit_radius
+    cdef double rolling
+    cdef double min_film_speed
+    cdef double pocket
+    cdef const double *brakes     # or NULL
+    cdef double largest_traction  # of the last evaluation [N]
+    cdef bint calls_python        # for forces
+    cdef object python_forces     # that function, or None
+    cdef object kept_alive        # arrays whose memory is used
+    cdef double[:, ::1] memory    # rows of working memory, (N_FORCE_ROWS + N_SCRATCH, K)
+    cdef Py_ssize_t[::1] active   # positions to be evaluated
+    cdef Py_ssize_t[::1] slot     # of each, where its slip and its torques stand
 
     def __init__(
         self, Py_ssize_t rollers, rings: Sequence[Ring | Curve] | Callable[[Array], tuple[Array, Array]],
-        radii: tuple[float, float, float, float], double rolling, double slow=0.0, double pocket=0.0,
+        radii: tuple[float, float, float, float], double rolling, double min_film_speed=0.0, double pocket=0.0,
         const double[::1] brakes=None,
     ):
-        cdef const double[::1] load, force, width
-        cdef const Py_ssize_t[::1] first
-        cdef const double[:, ::1] nodes, places
-        cdef ring_t *ring
-        cdef Py_ssize_t n, k, i
-        cdef bint ascend
+        cdef int which
         if rollers < 1:
             raise ValueError(f"{rollers} positions: there must be at least one")
-        self.rollers, self.rolling, self.slow, self.pocket = rollers, rolling, slow, pocket
-        self.inner, self.outer, self.radius, self.orbit = radii
-        self.work = np.zeros((16, rollers))
-        self.active, self.slot = np.empty((2, rollers), dtype=np.intp)
-        self.python, self.kept = (rings, None) if callable(rings) else (None, [rings])
-        self.calls = self.python is not None
+        self.rollers = rollers
+        self.rolling = rolling
+        self.min_film_speed = min_film_speed
+        self.pocket = pocket
+        self.inner_radius, self.outer_radius, self.roller_radius, self.orbit_radius = radii
+        self.memory = np.zeros((N_FORCE_ROWS + N_SCRATCH, rollers))
+        self.active = np.empty(rollers, dtype=np.intp)
+        self.slot = np.empty(rollers, dtype=np.intp)
+        self.kept_alive = []
         if brakes is not None:
-            self._check(brakes)
-            self.kept, self.brakes = [brakes, *(self.kept or ())], &brakes[0]
-        for k in range(2):
-            ring = &self.rings[k]
-            ring.lead, ring.traction, ring.resistance = &self.work[k, 0], &self.work[2 + k, 0], &self.work[4 + k, 0]
-            if self.calls:
-                continue
-            if len(rings[k]) == 5:
-                nodes, (ring.begin, ring.end), ring.scale, force, load = rings[k]
-                if nodes.shape[0] < 2 or nodes.shape[1] != 2 or not force.shape[0] == load.shape[0] == rollers:
-                    raise ValueError(f"nodes (N, 2), forces and resistances of {rollers} positions are expected")
-                self.kept.append((nodes, force, load))
-                ring.nodes, ring.cells, ring.resists = &nodes[0, 0], nodes.shape[0] - 1, True
-                ring.force, ring.held = &force[0], &load[0]
-                continue
-            stage, table, load, force, width, first, resists, *asked = rings[k]
-            gathered, n = bound(table), load.shape[0]
-            if not force.shape[0] == width.shape[0] == n or first.shape[0] != rollers + 1:
-                raise ValueError(f"loads, forces and widths of {n} slices of {rollers} rollers are expected")
-            ascend, ring.room = first[0] == 0 and first[rollers] == n, len(table)
-            for i in range(rollers):
-                ascend = ascend and 0 <= first[i + 1] - first[i] <= ring.room
-            if not ascend:
-                raise ValueError(f"first slices that ascend from 0 to {n}, by no more than the table, are expected")
-            self.kept.append((gathered, load, force, width, first))
-            ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
-            ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
-            ring.first, ring.resists = &first[0], resists
-            if n:
-                ring.load, ring.force, ring.width = &load[0], &force[0], &width[0]
-            if asked and n:
-                places = asked[0]
-                if places.shape[0] != N_PLACES or places.shape[1] != n or ring.table.position == NULL:
-                    raise ValueError(f"places of {n} slices are expected, and a table that has them")
-                self.kept.append(places)
-                ring.places, ring.loaded = &places[0, 0], n
+            self._check_size(brakes)
+            self.kept_alive.append(brakes)
+            self.brakes = &brakes[0]
+        for which in range(2):
+            self.rings[which].lead = &self.memory[which, 0]
+            self.rings[which].traction = &self.memory[2 + which, 0]
+            self.rings[which].resistance = &self.memory[4 + which, 0]
+        if callable(rings):
+            self.calls_python = True
+            self.python_forces = rings
+            return
+        for which in range(2):
+            if len(rings[which]) == 5:
+                self._take_curve(which, *rings[which])
+            else:
+                self._take_chain(which, *rings[which])
+
+    def _take_curve(
+        self, int which, const double[:, ::1] nodes, limits: tuple[float, float], double scale,
+        const double[::1] force, const double[::1] resistance,
+    ) -> None:
+        """Take the friction curve of a ring."""
+        cdef ring_t *ring = &self.rings[which]
+        if nodes.shape[0] < 2 or nodes.shape[1] != 2 or not force.shape[0] == resistance.shape[0] == self.rollers:
+            raise ValueError(f"nodes (N, 2), forces and resistances of {self.rollers} positions are expected")
+        self.kept_alive.append((nodes, force, resistance))
+        ring.nodes = &nodes[0, 0]
+        ring.cells = nodes.shape[0] - 1
+        ring.begin, ring.end = limits
+        ring.scale = scale
+        ring.force = &force[0]
+        ring.constant_resistance = &resistance[0]
+        ring.resists = True
+
+    def _take_chain(
+        self, int which, stage: object, table: Slices, const double[::1] load, const double[::1] force,
+        const double[::1] width, const Py_ssize_t[::1] first, bint resists, const double[:, ::1] places=None,
+    ) -> None:
+        """Take the chain and the loaded slices of a ring."""
+        cdef ring_t *ring = &self.rings[which]
+        cdef Py_ssize_t n = load.shape[0]
+        cdef Py_ssize_t i
+        cdef bint fits
+        gathered = bound(table)
+        if not force.shape[0] == width.shape[0] == n or first.shape[0] != self.rollers + 1:
+            raise ValueError(f"loads, forces and widths of {n} slices of {self.rollers} rollers are expected")
+        ring.capacity = len(table)
+        fits = first[0] == 0 and first[self.rollers] == n
+        for i in range(self.rollers):
+            fits = fits and 0 <= first[i + 1] - first[i] <= ring.capacity
+        if not fits:
+            raise ValueError(f"first slices that ascend from 0 to {n}, by no more than the table, are expected")
+        self.kept_alive.append((gathered, load, force, width, first))
+        ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
+        ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
+        ring.first = &first[0]
+        ring.resists = resists
+        ring.n_slices = n
+        if n == 0:
+            return
+        ring.load = &load[0]
+        ring.force = &force[0]
+        ring.width = &width[0]
+        if places is not None:
+            if places.shape[0] != N_PLACES or places.shape[1] != n or ring.table.position == NULL:
+                raise ValueError(f"places of {n} slices are expected, and a table that has them")
+            self.kept_alive.append(places)
+            ring.places = &places[0, 0]
 
     @property
     def evaluated(self) -> tuple[int, int]:
         """Slices evaluated so far, of inner and outer ring."""
         return self.rings[INNER].evaluated, self.rings[OUTER].evaluated
 
-    def at(self, const double[:] inner, const double[:] outer) -> None:
-        """Set by how much the raceways are ahead of pure rolling at every position [m/s], (K,), without roller slip."""
+    def set_leads(self, const double[:] inner, const double[:] outer) -> None:
+        """Set the speeds [m/s], (K,), by which the raceways are ahead of pure rolling, at a roller slip of zero."""
         cdef Py_ssize_t k
         if not inner.shape[0] == outer.shape[0] == self.rollers:
             raise ValueError(f"{inner.shape[0]} and {outer.shape[0]} speeds for {self.rollers} positions")
         for k in range(self.rollers):
-            self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = inner[k], outer[k]
+            self.rings[INNER].lead[k] = inner[k]
+            self.rings[OUTER].lead[k] = outer[k]
 
     def torques(self, const double[::1] slip) -> tuple[Array, Array, str]:
-        """Return the torques on the spin of a roller and, of one roller, on the cage [N m], (K,) each; and how."""
-        cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
-        cdef int ended
-        self._check(slip)
-        self._all()
+        """Return the torques on the spin of a roller and, of one roller, on the cage [N m], (K,), and a status."""
+        cdef double[::1] spin = np.empty(self.rollers)
+        cdef double[::1] cage = np.empty(self.rollers)
+        cdef int status
+        self._check_size(slip)
+        self._activate_all()
         with nogil:
-            ended = self._torques(&slip[0], &spin[0], &cage[0], self.rollers)
-        how = self._ended(ended)  # first: an error that Python code left is lost with the next call into Python
-        return np.asarray(spin), np.asarray(cage), how
+            status = self._torques(&slip[0], &spin[0], &cage[0], self.rollers)
+        text = self._status_text(status)  # first: an exception of Python code is lost with the next call into Python
+        return np.asarray(spin), np.asarray(cage), text
 
     def on_cage(
         self, const double[::1] slip, const double[:, ::1] tractions, const double[:, ::1] resistances
     ) -> Array:
         """Return the torque of one roller on the cage [N m], (K,), from forces [N], (2, K)."""
-        cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
+        cdef double[::1] spin = np.empty(self.rollers)
+        cdef double[::1] cage = np.empty(self.rollers)
         cdef Py_ssize_t k
-        self._check(slip)
-        self._check(tractions[0])
-        self._check(resistances[0])
+        self._check_size(slip)
+        self._check_size(tractions[0])
+        self._check_size(resistances[0])
         for k in range(self.rollers):
             self._torque(
                 k, slip[k], tractions[0, k], tractions[1, k], resistances[0, k], resistances[1, k], &spin[k], &cage[k])
         return np.asarray(cage)
 
-    def balanced(
-        self, const double[::1] low, const double[::1] high, guess: Array | None = None
+    def find_balances(
+        self, const double[::1] low, const double[::1] high
     ) -> tuple[Array, NDArray[np.bool_], str]:
-        """Return where each torque rises through zero in its bracket, which were not found, and how it ended.
+        """Return where each torque rises through zero in its bracket (K,), which were not found, and a status.
 
-        ``low`` and ``high`` are below zero and above it, or the place itself twice; from a guess it is mostly the one
-        nearest to it.
+        Torques at ``low`` are below zero and those at ``high`` above it; where both are equal, that is the balance.
         """
-        place, lost = np.empty(self.rollers), np.zeros(self.rollers, dtype=np.uint8)
-        cdef double[::1] at = place
-        cdef unsigned char[::1] missed = lost
-        cdef const double[::1] near
+        balances = np.empty(self.rollers)
+        missing = np.zeros(self.rollers, dtype=np.uint8)
+        cdef double[::1] slip = balances
+        cdef unsigned char[::1] not_found = missing
         cdef Py_ssize_t k
-        cdef int ended
-        self._check(low)
-        self._check(high)
+        cdef int status
+        self._check_size(low)
+        self._check_size(high)
         for k in range(self.rollers):
-            at[k] = 0.5 * (low[k] + high[k])
-        if guess is not None:
-            near = guess
-            self._check(near)
-            for k in range(self.rollers):
-                at[k] = min(max(near[k], low[k]), high[k])
+            slip[k] = 0.5 * (low[k] + high[k])
         with nogil:
-            ended = self._balanced(&low[0], &high[0], &at[0], NULL, 1.0, &missed[0])
-        how = self._ended(ended)
-        return place, lost.view(bool), how
+            status = self._find_balances(&low[0], &high[0], &slip[0], NULL, 1.0, &not_found[0])
+        text = self._status_text(status)
+        return balances, missing.view(bool), text
 
-    def followed(
-        self, const double[::1] leads, double rolls, const double[::1] slips, const double[:, ::1] ends,
-        const double[:, ::1] known, const double[::1] near, const double[::1] slope,
+    def continue_balances(
+        self, const double[::1] leads, double rolls, const double[::1] cage_slips, const double[:, ::1] ends,
+        const double[:, ::1] known, const double[::1] known_slips, const double[::1] slope,
     ) -> tuple[Array, NDArray[np.bool_], Array, int, str]:
-        """Return where torques balance at rows of cage slips, one after the other, and how it ended.
+        """Return where torques balance at ascending cage slips, by continuation.
 
-        It is looked for as a share of the roller slip of rolling on the outer ring, which is ``rolls`` times the cage
-        slip: between ``ends`` (2, K), or at the share itself that they give twice. ``leads`` (2,) are what `at` takes,
-        over the cage slip, ``slips`` (n,) ascend. ``known`` (m, K) are shares at slips ``near`` (m,) below them, the
-        nearest first, from which is gone on; without them the first slip is one where rollers have one balance only.
-        ``slope`` (K,) is that of the torque over the roller slip there, zero where it is not known.
+        Roller slips are normalised by that of rolling on the outer ring, ``rolls`` times the cage slip.
 
-        Returned are the shares (n, K), which are lost, the slopes, and the row where it stopped.
+        Parameters
+        ----------
+        leads : (2,)
+            Speeds of `set_leads` over the cage slip [m/s].
+        rolls
+            Roller slip of rolling on the outer ring over the cage slip.
+        cage_slips : (n,)
+            Ascending.
+        ends : (2, K)
+            Normalised slips between which a balance is searched; where both are equal, that is the balance.
+        known : (m, K)
+            Normalised slips at smaller cage slips, the nearest first. Without them the first cage slip is one where
+            every roller has one balance only.
+        known_slips : (m,)
+            Their cage slips.
+        slope : (K,)
+            Of the torque over the roller slip at the first of them, zero where it is not known.
+
+        Returns
+        -------
+        tuple
+            Normalised slips (n, K), which are not found (n, K), slopes (K,), the row where the search ended, a status.
         """
-        cdef Py_ssize_t n = slips.shape[0], K = self.rollers, row = 0, k, i, j, left
-        cdef double x, one, two, weight, miss, flat
-        shares, lost, slopes = np.empty((n, K)), np.zeros((n, K), dtype=np.uint8), np.array(slope)
-        cdef double[:, ::1] out = shares, way = np.empty((K, NEAR)), held = np.empty((K, NEAR))
-        cdef unsigned char[:, ::1] missed = lost
-        cdef double[::1] steep = slopes, low = np.empty(K), high = np.empty(K), at = np.empty(K), guess = np.empty(K)
-        # where a roller is looked for, 0 if it has arrived, and the slip before which it was missed
-        cdef double[::1] place = np.empty(K), beyond = np.empty(K), before = np.array(slope)
-        cdef Py_ssize_t[::1] even = np.zeros(K, dtype=np.intp)   # of the last slips on its way, how many are one motion
-        cdef int ended = FOUND
-        if leads.shape[0] != 2 or ends.shape[0] != 2 or known.shape[0] != near.shape[0]:
+        cdef Py_ssize_t n = cage_slips.shape[0]
+        cdef Py_ssize_t K = self.rollers
+        cdef Py_ssize_t row = 0
+        cdef Py_ssize_t k, i, j, searching
+        cdef double x, one, two, weight, miss, flatness
+        found = np.empty((n, K))
+        missing = np.zeros((n, K), dtype=np.uint8)
+        slopes = np.array(slope)
+        cdef double[:, ::1] out = found
+        cdef unsigned char[:, ::1] not_found = missing
+        cdef double[::1] slope_now = slopes
+        cdef double[::1] slope_before = np.array(slope)
+        cdef double[:, ::1] last_slips = np.empty((K, N_PREDICTORS))   # cage slips of the last balances of a roller
+        cdef double[:, ::1] last = np.empty((K, N_PREDICTORS))         # and these
+        cdef Py_ssize_t[::1] n_last = np.zeros(K, dtype=np.intp)       # how many of them are of one motion
+        cdef double[::1] low = np.empty(K)
+        cdef double[::1] high = np.empty(K)
+        cdef double[::1] slip = np.empty(K)
+        cdef double[::1] predicted = np.empty(K)
+        cdef double[::1] target = np.empty(K)   # cage slip of a roller's next step, 0 where it has arrived
+        cdef double[::1] missed = np.empty(K)   # cage slip up to which steps are halved, where a balance was missed
+        cdef int status = FOUND
+        if leads.shape[0] != 2 or ends.shape[0] != 2 or known.shape[0] != known_slips.shape[0]:
             raise ValueError("leads of two rings are expected, two ends, and a slip of all that is known")
         for given in (slope, ends[0], *([known[0]] if known.shape[0] else [])):
-            self._check(given)
+            self._check_size(given)
         with nogil:
             for k in range(K):
-                for i in range(min(known.shape[0], NEAR)):
-                    if fabs(known[i, k] - known[0, k]) > WIDE:
+                for i in range(min(known.shape[0], N_PREDICTORS)):
+                    if fabs(known[i, k] - known[0, k]) > MAX_JUMP:
                         break
-                    way[k, i], held[k, i] = near[i], known[i, k]
-                    even[k] += 1
+                    last_slips[k, i] = known_slips[i]
+                    last[k, i] = known[i, k]
+                    n_last[k] += 1
             for row in range(n):
                 for k in range(K):
-                    beyond[k] = slips[row]
-                    place[k] = min(slips[row], self._next(even[k], &way[k, 0])) if even[k] else slips[row]
-                left = K
-                while left:
-                    for k in range(K):
-                        if place[k] == 0.0:
-                            low[k] = high[k] = at[k]
+                    missed[k] = cage_slips[row]
+                    target[k] = cage_slips[row]
+                    if n_last[k]:
+                        target[k] = min(cage_slips[row], self._next_cage_slip(n_last[k], &last_slips[k, 0]))
+                searching = K
+                while searching:
+                    for k in range(K):   # predictor
+                        if target[k] == 0.0:
+                            low[k] = slip[k]
+                            high[k] = slip[k]
                             continue
-                        self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = leads[0] * place[k], leads[1] * place[k]
-                        one, two = ends[0, k] * rolls * place[k], ends[1, k] * rolls * place[k]
-                        low[k], high[k] = min(one, two), max(one, two)
-                        x = 0.0 if even[k] else 0.5 * (ends[0, k] + ends[1, k])
-                        for i in range(even[k]):
+                        self.rings[INNER].lead[k] = leads[0] * target[k]
+                        self.rings[OUTER].lead[k] = leads[1] * target[k]
+                        one = ends[0, k] * rolls * target[k]
+                        two = ends[1, k] * rolls * target[k]
+                        low[k] = min(one, two)
+                        high[k] = max(one, two)
+                        x = 0.0 if n_last[k] else 0.5 * (ends[0, k] + ends[1, k])
+                        for i in range(n_last[k]):
                             weight = 1.0
-                            for j in range(even[k]):
+                            for j in range(n_last[k]):
                                 if j != i:
-                                    weight *= (place[k] - way[k, j]) / (way[k, i] - way[k, j])
-                            x += weight * held[k, i]
-                        guess[k] = at[k] = min(max(x * rolls * place[k], low[k]), high[k])
-                    ended = self._balanced(
-                        &low[0], &high[0], &at[0], &steep[0], LEAP if even[0] else 1.0, &missed[row, 0])
-                    left = 0
-                    for k in range(K):
-                        if place[k] == 0.0:
+                                    weight *= (target[k] - last_slips[k, j]) / (last_slips[k, i] - last_slips[k, j])
+                            x += weight * last[k, i]
+                        slip[k] = min(max(x * rolls * target[k], low[k]), high[k])
+                        predicted[k] = slip[k]
+                    status = self._find_balances(
+                        &low[0], &high[0], &slip[0], &slope_now[0], FIRST_STEP_BEYOND if n_last[0] else 1.0,
+                        &not_found[row, 0])
+                    searching = 0
+                    for k in range(K):   # what is done with what the corrector has found
+                        if target[k] == 0.0:
                             continue
-                        out[row, k] = at[k] / (rolls * place[k])
-                        if ended != FOUND:
+                        out[row, k] = slip[k] / (rolls * target[k])
+                        if status != FOUND:
                             continue
                         # where one balance becomes several the torque is flat, and a small miss decides between them
-                        x, miss = high[k] - low[k], fabs(at[k] - guess[k])
-                        flat = self.radius * fabs(self.rings[INNER].traction[k])
-                        flat = min(max(steep[k] * x / flat, FLAT), 1.0) if flat > 0.0 else 1.0
-                        if even[k] and miss > MISS * flat * x:
-                            steep[k] = before[k]
-                            if place[k] - way[k, 0] > NOTHING * place[k]:
-                                beyond[k] = place[k]
-                                place[k] = 0.5 * (place[k] + way[k, 0])
-                                left += 1
+                        x = high[k] - low[k]
+                        miss = fabs(slip[k] - predicted[k])
+                        flatness = self.roller_radius * fabs(self.rings[INNER].traction[k])
+                        flatness = min(max(slope_now[k] * x / flatness, MIN_FLATNESS), 1.0) if flatness > 0.0 else 1.0
+                        if n_last[k] and miss > MAX_PREDICTOR_MISS * flatness * x:
+                            slope_now[k] = slope_before[k]
+                            if target[k] - last_slips[k, 0] > MIN_SLIP_STEP * target[k]:
+                                missed[k] = target[k]
+                                target[k] = 0.5 * (target[k] + last_slips[k, 0])
+                                searching += 1
                                 continue
-                            if even[k] > 1:   # once more from where it was: what it goes on to is on its way from there
-                                even[k] = 1
-                                left += 1
+                            if n_last[k] > 1:   # once more from the last balance alone, from which it leaves
+                                n_last[k] = 1
+                                searching += 1
                                 continue
-                            if miss > MISS * x:
-                                even[k] = 0
-                        before[k] = steep[k]
-                        even[k] = min(even[k] + 1, NEAR)
-                        for i in range(even[k] - 1, 0, -1):
-                            way[k, i], held[k, i] = way[k, i - 1], held[k, i - 1]
-                        way[k, 0], held[k, 0] = place[k], out[row, k]
-                        if place[k] == beyond[k]:
-                            beyond[k] = slips[row]
-                        if place[k] < slips[row]:
-                            place[k] = min(beyond[k], self._next(even[k], &way[k, 0]))
-                            left += 1
+                            if miss > MAX_PREDICTOR_MISS * x:
+                                n_last[k] = 0
+                        slope_before[k] = slope_now[k]
+                        n_last[k] = min(n_last[k] + 1, N_PREDICTORS)
+                        for i in range(n_last[k] - 1, 0, -1):
+                            last_slips[k, i] = last_slips[k, i - 1]
+                            last[k, i] = last[k, i - 1]
+                        last_slips[k, 0] = target[k]
+                        last[k, 0] = out[row, k]
+                        if target[k] == missed[k]:
+                            missed[k] = cage_slips[row]
+                        if target[k] < cage_slips[row]:
+                            target[k] = min(missed[k], self._next_cage_slip(n_last[k], &last_slips[k, 0]))
+                            searching += 1
                         else:
-                            place[k] = 0.0
-                if ended != FOUND:
+                            target[k] = 0.0
+                if status != FOUND:
                     break
-        how = self._ended(ended)
-        return shares, lost.view(bool), slopes, row, how
+        text = self._status_text(status)
+        return found, missing.view(bool), slopes, row, text
 
-    cdef inline double _next(self, Py_ssize_t even, const double *way) noexcept nogil:
-        """The slip up to which a step may go, after those of one motion, the last one first."""
-        return min(way[0] + GROWS * (way[0] - way[1]), FAR * way[0]) if even > 1 else FAR * way[0]
+    cdef inline double _next_cage_slip(self, Py_ssize_t n_last, const double *last_slips) noexcept nogil:
+        """Cage slip up to which a step may go, after those of one motion, the last one first."""
+        if n_last > 1:
+            return min(
+                last_slips[0] + MAX_STEP_GROWTH * (last_slips[0] - last_slips[1]), MAX_SLIP_RATIO * last_slips[0])
+        return MAX_SLIP_RATIO * last_slips[0]
 
-    def periodic(self, const double[::1] guess, double inertia, double damping=0.0) -> tuple[Array, float, float, str]:
-        """Return roller slips that repeat after an orbit, from a guess, Floquet's multiplier, what is left, and how.
+    def find_periodic(self, const double[::1] guess, double inertia) -> tuple[Array, float, float, str]:
+        """Return roller slips of a periodic motion (K,), Floquet's multiplier, the residual [N m], and a status.
 
-        inertia d(S_r) + G = 0 with backward differences of second order round the positions; ``inertia`` is the torque
-        that changes the roller slip by one from a position to the next, ``damping`` that of the first steps [N m].
-        Newton's method, whose short steps are secants; of the multiplier the logarithm is right to some 1e-4 of it.
+        c D s + G(s) = 0 by Newton's method from a guess, D the backward difference of second order round the positions
+        and c ``inertia``, the torque [N m] that changes the roller slip by one from a position to the next. The
+        logarithm of the multiplier is right to some 1e-4 of it.
         """
         cdef double[::1] slip = np.array(guess)
-        cdef double multiplier = NAN, left = NAN
-        cdef int ended
-        self._check(guess)
-        self._all()
+        cdef double multiplier = NAN
+        cdef double residual = NAN
+        cdef int status
+        self._check_size(guess)
+        self._activate_all()
         with nogil:
-            ended = self._periodic(self.rollers, &slip[0], inertia, damping, SETTLED, &multiplier, &left)
-        how = self._ended(ended)
-        return np.asarray(slip), multiplier, left, how
+            status = self._find_periodic(self.rollers, &slip[0], inertia, NEWTON_TOLERANCE, &multiplier, &residual)
+        text = self._status_text(status)
+        return np.asarray(slip), multiplier, residual, text
 
     def march_orbits(
         self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
-        const double[:, ::1] bracket, const double[::1] wide, const double[:, ::1] starts,
-        Py_ssize_t orbits, double exact, double periodic, known: Array | None = None,
+        const double[:, ::1] bracket, const double[::1] width, const double[:, ::1] starts,
+        Py_ssize_t orbits, double tolerance, double periodic, known: Array | None = None,
     ) -> tuple[Array, NDArray[np.bool_], Array, str]:
-        """March rollers round the orbit, row by row: return their slips, whether two agree, and the change per orbit.
+        """March two walkers of every row round the orbit, by implicit Euler or by differences of second order.
 
-        Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to march. Of each ``inertia``
-        is as in `periodic`, ``bracket`` (n, 2) holds the roller slips of rolling on either ring, ``wide`` is what steps
-        and tolerances refer to, and ``starts`` (n, 2) are slips at its first position: two for two rollers, the same
-        twice for one. ``exact`` is how exactly balances are found, relative to ``wide``; a row ends its march as soon
-        as what further orbits would change is no more than ``periodic``, relative likewise.
+        Parameters
+        ----------
+        rows : (n,)
+            Those to be marched, of all rows of ``around`` positions.
+        around
+            Positions of an orbit, K.
+        inertia : (n,)
+            Torque that changes the roller slip by one from a position to the next [N m].
+        bracket : (n, 2)
+            Roller slips of rolling on either ring.
+        width : (n,)
+            Roller slip to which steps and tolerances are relative.
+        starts : (n, 2)
+            Slips at the first position: the same twice for one walker.
+        orbits
+            Orbits at most.
+        tolerance
+            Of balances, relative to ``width``.
+        periodic
+            A walker ends as soon as further orbits would change its slips by no more, relative to ``width``.
+        known : (n, 2, K), optional
+            Slips of the orbit before, from which a march of second order goes on.
 
-        By implicit Euler, at most so many orbits; from ``known`` whole orbits, (n, 2, K), by backward differences of
-        second order. Returned are roller slips (n, 2, K), whether both have met (n,), how far a row is from repeating
-        (n, 2), relative to ``wide``, and how it ended.
+        Returns
+        -------
+        tuple
+            Roller slips (n, 2, K), whether both walkers have met (n,), what further orbits would change (n, 2),
+            relative to ``width``, and a status.
         """
-        cdef Py_ssize_t n = rows.shape[0], K = around, r
-        cdef bint second = known is not None
-        cdef int ended = FOUND
-        self._rows(rows, K)
-        if not n == inertia.shape[0] == bracket.shape[0] == starts.shape[0] == wide.shape[0] or (
+        cdef Py_ssize_t n = rows.shape[0]
+        cdef Py_ssize_t K = around
+        cdef Py_ssize_t r
+        cdef bint second_order = known is not None
+        cdef int status = FOUND
+        self._check_rows(rows, K)
+        if not n == inertia.shape[0] == bracket.shape[0] == starts.shape[0] == width.shape[0] or (
                 bracket.shape[1] != 2 or starts.shape[1] != 2):
             raise ValueError(f"brackets (n, 2), widths (n,) and starts (n, 2) of {n} rows are expected")
-        slips = np.empty((n, 2, K)) if known is None else np.array(known, dtype=float, order="C")
-        met, left = np.zeros(n, dtype=np.uint8), np.full((n, 2), np.inf)
+        slips = np.array(known, dtype=float, order="C") if second_order else np.empty((n, 2, K))
+        have_met = np.zeros(n, dtype=np.uint8)
+        remaining = np.full((n, 2), np.inf)
         cdef double[:, :, ::1] out = slips
-        cdef unsigned char[::1] one = met
-        cdef double[:, ::1] rest = left
+        cdef unsigned char[::1] met = have_met
+        cdef double[:, ::1] rest = remaining
         if out.shape[0] != n or out.shape[1] != 2 or out.shape[2] != K:
             raise ValueError(f"whole orbits ({n}, 2, {K}) are expected")
         for r in range(n):
-            if not second:
-                out[r, 0, 0], out[r, 1, 0] = starts[r, 0], starts[r, 1]
-            one[r] = starts[r, 0] == starts[r, 1]
-        # where walkers come from, both ends of where each is looked for, and their steps and slopes
-        cdef double[:, ::1] way = np.empty((11, 2 * n + 1))
-        cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
+            if not second_order:
+                out[r, 0, 0] = starts[r, 0]
+                out[r, 1, 0] = starts[r, 1]
+            met[r] = starts[r, 0] == starts[r, 1]
+        cdef unsigned char[::1] walkers = np.empty((2 * n + 1) * sizeof(walker_t), dtype=np.uint8)
+        cdef Py_ssize_t[::1] walking = np.empty(2 * n + 1, dtype=np.intp)
         if n:
             with nogil:
-                ended = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact,
-                                           periodic, second, &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
-        how = self._ended(ended)
-        return slips, met.view(bool), left, how
+                status = self._march_orbits(K, n, &rows[0], &inertia[0], &bracket[0, 0], &width[0], orbits, tolerance,
+                                            periodic, second_order, &out[0, 0, 0], &met[0], &rest[0, 0],
+                                            <walker_t *>&walkers[0], &walking[0])
+        text = self._status_text(status)
+        return slips, have_met.view(bool), remaining, text
 
-    cdef int _rows(self, const Py_ssize_t[::1] rows, Py_ssize_t K) except -1:
-        cdef Py_ssize_t r, n = rows.shape[0]
+    cdef int _check_rows(self, const Py_ssize_t[::1] rows, Py_ssize_t K) except -1:
+        cdef Py_ssize_t n = rows.shape[0]
+        cdef Py_ssize_t r
         if K < 3 or self.rollers % K or 2 * n > self.rollers:
             raise ValueError(f"{n} rows of {K} of {self.rollers} positions: an orbit has at least 3")
         for r in range(n):
             if not 0 <= rows[r] < self.rollers // K:
                 raise ValueError(f"row {rows[r]} of {self.rollers // K} does not exist")
-        if self.calls:
+        if self.calls_python:
             raise ValueError("rows are for compiled contacts alone")
         return 0
 
     cdef int _march_orbits(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
-                           const double *bracket, const double *wide, Py_ssize_t orbits, double exact, double periodic,
-                           bint second, double *out, unsigned char *met, double *left, double[:, ::1] way,
-                           Py_ssize_t[:, ::1] who) noexcept nogil:
-        """Walkers 2 r and 2 r + 1 are those of row r; the second goes where the first does as soon as they have met."""
-        cdef Py_ssize_t *walks = &who[0, 0]      # those that are still on their way round
-        cdef Py_ssize_t *until = &who[1, 0]      # when they have been everywhere since they met
-        cdef Py_ssize_t t, p, before, w, r, a, walking = 0, some
-        cdef double *from_ = &way[0, 0]
-        cdef double *found = &way[1, 0]
-        cdef double *slope = &way[2, 0]
-        cdef double *was = &way[3, 0]            # how far it moved in the orbit before the last
-        cdef double *moved = &way[4, 0]          # and in this one
-        cdef double *ends = &way[9, 0]           # where it will be
-        cdef double decay, apart, last
-        cdef int ended
+                           const double *bracket, const double *width, Py_ssize_t orbits, double tolerance,
+                           double periodic, bint second_order, double *out, unsigned char *met, double *remaining,
+                           walker_t *walkers, Py_ssize_t *walking) noexcept nogil:
+        """Walkers 2 r and 2 r + 1 are those of row r; the second one ends as soon as both have met.
+
+        1. All walkers go to the next position (`_to_balances`).
+        2. A walker ends whose slip is that of an orbit before, or which has gone once round since both met.
+        3. At the first position the end of a geometric series of changes is extrapolated, and a walker ends whose
+           further changes are below ``periodic``.
+        4. A second walker ends where both have met, or where both extrapolated ends are the same (`_end_together`).
+        """
+        cdef double *slip = self._scratch(2)     # of walkers, evaluated there
+        cdef walker_t *walker
+        cdef Py_ssize_t t, p, before, w, r, a, some
+        cdef Py_ssize_t count = 0
+        cdef double decay, change, last
+        cdef int status
         for w in range(2 * n):
-            slope[w], was[w], moved[w], until[w] = 0.0, wide[w // 2], 0.0, orbits * K
+            walker = &walkers[w]
+            walker.row = w // 2
+            walker.slope = 0.0
+            walker.change_before = width[w // 2]
+            walker.change = 0.0
+            walker.last_step = orbits * K
             if w % 2 == 0 or not met[w // 2]:
-                walks[walking] = w
-                walking += 1
+                walking[count] = w
+                count += 1
         for t in range(1, orbits * K + 1):
-            p, before = t % K, (t - 1) % K
-            for a in range(walking):
-                w = walks[a]
-                from_[w] = out[w * K + before]
-                if second:
-                    from_[w] = (4.0 * out[w * K + before] - out[w * K + (t + K - 2) % K]) / 3.0
-                found[w] = out[w * K + before]
-            ended = self._to_balances(K, p, walking, walks, rows, inertia, bracket, wide, exact, 1.5 if second else 1.0,
-                                      way, who)
-            if ended != FOUND:
-                return ended
+            p = t % K
+            before = (t - 1) % K
+            for a in range(count):
+                w = walking[a]
+                walkers[w].previous = out[w * K + before]
+                if second_order:
+                    walkers[w].previous = (4.0 * out[w * K + before] - out[w * K + (t + K - 2) % K]) / 3.0
+                slip[w] = out[w * K + before]
+            status = self._to_balances(K, p, count, walking, walkers, rows, inertia, bracket, width, tolerance,
+                                       1.5 if second_order else 1.0, slip)
+            if status != FOUND:
+                return status
             some = 0
-            for a in range(walking):
-                w = walks[a]
+            for a in range(count):
+                w = walking[a]
                 r = w // 2
-                apart = fabs(found[w] - out[w * K + p]) / wide[r] if t >= K or second else 1.0
+                walker = &walkers[w]
                 last = out[w * K + p]
-                out[w * K + p] = found[w]
-                moved[w] = max(moved[w], apart) if second else apart
-                if not second and (apart <= exact or t >= until[w]):   # as an orbit before: it repeats
-                    left[w] = apart
+                change = fabs(slip[w] - last) / width[r] if t >= K or second_order else 1.0
+                out[w * K + p] = slip[w]
+                walker.change = max(walker.change, change) if second_order else change
+                if not second_order and (change <= tolerance or t >= walker.last_step):
+                    remaining[w] = change
                     continue
                 if p == 0:
-                    ends[w] = found[w]
-                    if t > K and not second and moved[w] < was[w]:
-                        ends[w] += (found[w] - last) * moved[w] / (was[w] - moved[w])
-                    decay = min(moved[w] / max(was[w], 1e-300), 0.999)
-                    left[w] = moved[w] * decay / (1.0 - decay)
-                    was[w], moved[w] = max(moved[w], 1e-300), 0.0
-                    if t > K and left[w] <= periodic:
+                    walker.end = slip[w]
+                    if t > K and not second_order and walker.change < walker.change_before:
+                        walker.end += (slip[w] - last) * walker.change / (walker.change_before - walker.change)
+                    decay = min(walker.change / max(walker.change_before, 1e-300), 0.999)
+                    remaining[w] = walker.change * decay / (1.0 - decay)
+                    walker.change_before = max(walker.change, 1e-300)
+                    walker.change = 0.0
+                    if t > K and remaining[w] <= periodic:
                         continue
-                walks[some] = w
+                walking[some] = w
                 some += 1
-            walking, some = some, 0
-            for a in range(walking):
-                w = walks[a]
+            count = some
+            some = 0
+            for a in range(count):
+                w = walking[a]
                 r = w // 2
-                if w % 2 == 1 and not met[r] and not second:
-                    if fabs(out[w * K + p] - out[(w - 1) * K + p]) <= MET * exact * wide[r]:
+                if w % 2 == 1 and not met[r] and not second_order:
+                    if fabs(out[w * K + p] - out[(w - 1) * K + p]) <= MET_TOLERANCES * tolerance * width[r]:
                         met[r] = 1
-                        until[w - 1] = t + K
+                        walkers[w - 1].last_step = t + K
                         continue
-                walks[some] = w
+                walking[some] = w
                 some += 1
-            walking = some
-            if p == 0 and t > K and not second:
-                walking = self._foreseen(K, walking, walks, wide, &way[0, 0], n, out, met, left)
-            if walking == 0:
+            count = some
+            if p == 0 and t > K and not second_order:
+                count = self._end_together(K, count, walking, walkers, width, out, met, remaining)
+            if count == 0:
                 break
         for r in range(n):
             if met[r]:
-                left[2 * r + 1] = left[2 * r]
+                remaining[2 * r + 1] = remaining[2 * r]
                 for p in range(K):
                     out[(2 * r + 1) * K + p] = out[2 * r * K + p]
         return FOUND
 
-    cdef Py_ssize_t _foreseen(self, Py_ssize_t K, Py_ssize_t walking, Py_ssize_t *walks, const double *wide,
-                              const double *way, Py_ssize_t n, double *out, unsigned char *met,
-                              double *left) noexcept nogil:
-        """Take two of a row for one where they approach the same motion, each orbit by a like share of what is left."""
-        cdef const double *left_over = &way[9 * (2 * n + 1)]   # where each will be, at the first position
-        cdef Py_ssize_t a, w, k, some = 0
-        cdef double one, two, part
-        a = 0
-        while a < walking:
-            w = walks[a]
-            if w % 2 == 0 and a + 1 < walking and walks[a + 1] == w + 1:
-                one, two = out[w * K], out[(w + 1) * K]
-                if fabs(left_over[w] - left_over[w + 1]) <= FORESEEN * wide[w // 2] and one != two:
-                    part = min(max((0.5 * (left_over[w] + left_over[w + 1]) - one) / (two - one), 0.0), 1.0)
+    cdef Py_ssize_t _end_together(self, Py_ssize_t K, Py_ssize_t count, Py_ssize_t *walking, const walker_t *walkers,
+                                  const double *width, double *out, unsigned char *met,
+                                  double *remaining) noexcept nogil:
+        """End two walkers of a row that approach the same motion: their slips are interpolated to its end."""
+        cdef Py_ssize_t a = 0
+        cdef Py_ssize_t some = 0
+        cdef Py_ssize_t w, k
+        cdef double one, two, fraction
+        while a < count:
+            w = walking[a]
+            if w % 2 == 0 and a + 1 < count and walking[a + 1] == w + 1:
+                one = out[w * K]
+                two = out[(w + 1) * K]
+                a += 2
+                if fabs(walkers[w].end - walkers[w + 1].end) <= SAME_END * width[w // 2] and one != two:
+                    fraction = (0.5 * (walkers[w].end + walkers[w + 1].end) - one) / (two - one)
+                    fraction = min(max(fraction, 0.0), 1.0)
                     for k in range(K):
-                        out[w * K + k] += part * (out[(w + 1) * K + k] - out[w * K + k])
-                    met[w // 2], left[w] = 1, FORESEEN
-                    a += 2
+                        out[w * K + k] += fraction * (out[(w + 1) * K + k] - out[w * K + k])
+                    met[w // 2] = 1
+                    remaining[w] = SAME_END
                     continue
-                walks[some], walks[some + 1] = w, w + 1
-                some, a = some + 2, a + 2
+                walking[some] = w
+                walking[some + 1] = w + 1
+                some += 2
                 continue
-            walks[some] = w
-            some, a = some + 1, a + 1
+            walking[some] = w
+            some += 1
+            a += 1
         return some
 
     cdef int _to_balances(self, Py_ssize_t K, Py_ssize_t p, Py_ssize_t walking, const Py_ssize_t *walks,
-                          const Py_ssize_t *rows, const double *inertia, const double *bracket, const double *wide,
-                          double exact, double weight, double[:, ::1] way, Py_ssize_t[:, ::1] who) noexcept nogil:
-        """Where walkers are a position on: the first zero of c (x - from) + torque(x), from x on where it drives."""
-        cdef double *from_ = &way[0, 0]
-        cdef double *x = &way[1, 0]              # evaluated there
-        cdef double *slope = &way[2, 0]
-        cdef double *low = &way[5, 0]            # where it comes from,
-        cdef double *at_low = &way[6, 0]         # and what is left there
-        cdef double *high = &way[7, 0]           # beyond the balance
-        cdef double *at_high = &way[8, 0]
-        cdef double *begin = &way[10, 0]
-        cdef Py_ssize_t *state = &who[2, 0]
-        cdef Py_ssize_t *kept = &who[3, 0]       # how often one end has stayed, or how often it has looked
-        cdef double *spin = &self.work[6, 0]
-        cdef double *cage = &self.work[7, 0]
-        cdef Py_ssize_t a, w, r, count = walking, left
-        cdef int number, ended
-        cdef double c, rest, step, longest, to, last
-        cdef bint first
+                          walker_t *walkers, const Py_ssize_t *rows, const double *inertia, const double *bracket,
+                          const double *width, double tolerance, double weight, double *slip) noexcept nogil:
+        """Take walkers to the first zero of c (s - previous) + G(s) from s on, in the sense of the torque.
+
+        First a step by the slope of the balance at the position before, and secants, as long as the slope stays nearly
+        the same (`_secant`). Otherwise steps in the sense of the torque until the residual changes its sign
+        (`_step_on`), then regula falsi after Illinois, with every fifth step a bisection (`_illinois`).
+        """
+        cdef double *spin = self._scratch(0)
+        cdef double *cage = self._scratch(1)
+        cdef walker_t *walker
+        cdef Py_ssize_t a, w, r, left
+        cdef Py_ssize_t count = walking
+        cdef int number, status
+        cdef double residual
+        cdef bint done
         for a in range(walking):
             w = walks[a]
-            r = w // 2
-            self.active[a], self.slot[a] = rows[r] * K + p, w
-            begin[w], state[w], kept[w] = x[w], STANDS, 0
-            if inertia[r] > 0.0 and slope[w] > 0.0:
-                state[w] = GUESSED
-        for number in range(MARCHES):
-            ended = self._torques(x, spin, cage, count)
-            if ended != FOUND:
-                return ended
+            walker = &walkers[w]
+            self.active[a] = rows[walker.row] * K + p
+            self.slot[a] = w
+            walker.position_before = slip[w]
+            walker.state = FROM_SLOPE if inertia[walker.row] > 0.0 and walker.slope > 0.0 else STARTS
+            walker.count = 0
+        for number in range(MAX_MARCH_STEPS):
+            status = self._torques(slip, spin, cage, count)
+            if status != FOUND:
+                return status
             left = 0
             for a in range(count):
                 w = self.slot[a]
-                r = w // 2
-                c = weight * inertia[r]
-                rest = c * (x[w] - from_[w]) + spin[w]
-                if rest == 0.0:
+                walker = &walkers[w]
+                r = walker.row
+                residual = weight * inertia[r] * (slip[w] - walker.previous) + spin[w]
+                if residual == 0.0:
                     continue
-                if state[w] >= GUESSED:   # secants, as long as the balance is near, and what it was a position before
-                    last, step = slope[w], 0.0
-                    if state[w] == NEARS:
-                        step = x[w] - low[w]
-                        slope[w] = (rest - at_low[w]) / step
-                    to = x[w] - rest / slope[w]
-                    kept[w] += 1
-                    if kept[w] > SECANTS or not last < ALIKE * slope[w] or not slope[w] < ALIKE * last or (
-                            fabs(to - begin[w]) > _longest(&bracket[2 * r], begin[w])):
-                        x[w], state[w], slope[w], kept[w] = begin[w], STANDS, last, 0
-                    else:
-                        low[w], at_low[w], last, x[w] = x[w], rest, fabs(to - x[w]), to
-                        if last <= exact * wide[r] or state[w] == NEARS and (
-                                last * max(last / fabs(step), CURVES * fabs(step) / wide[r]) <= exact * wide[r]):
-                            continue
-                        state[w] = NEARS
-                    self.active[left], self.slot[left] = self.active[a], w
-                    left += 1
+                if walker.state >= FROM_SLOPE:
+                    done = _secant(walker, residual, &bracket[2 * r], width[r], tolerance, &slip[w])
+                elif walker.state == BRACKETED:
+                    done = _illinois(walker, residual, number, tolerance * width[r], &slip[w])
+                elif walker.state == SEARCHES and (residual < 0.0) != (walker.residual_low < 0.0):
+                    walker.slope = (residual - walker.residual_low) / (slip[w] - walker.low)
+                    walker.state = BRACKETED
+                    walker.high = slip[w]
+                    walker.residual_high = residual
+                    walker.count = 0
+                    done = _regula_falsi(walker, number, tolerance * width[r], &slip[w])
+                else:
+                    done = False
+                    _step_on(walker, residual, &bracket[2 * r], width[r], &slip[w])
+                if done:
                     continue
-                first = state[w] == STANDS
-                if state[w] == BETWEEN:
-                    if (rest < 0.0) == (at_low[w] < 0.0):
-                        low[w], at_low[w] = x[w], rest
-                        at_high[w] *= 0.5 if kept[w] > 0 else 1.0
-                        kept[w] = 1
-                    else:
-                        high[w], at_high[w] = x[w], rest
-                        at_low[w] *= 0.5 if kept[w] < 0 else 1.0
-                        kept[w] = -1
-                else:
-                    if state[w] == LOOKS and (rest < 0.0) != (at_low[w] < 0.0):
-                        high[w], at_high[w], kept[w], state[w] = x[w], rest, 0, BETWEEN
-                        slope[w] = (rest - at_low[w]) / (x[w] - low[w])
-                    else:
-                        if state[w] == LOOKS and x[w] != low[w]:
-                            slope[w] = (rest - at_low[w]) / (x[w] - low[w])
-                        state[w], low[w], at_low[w] = LOOKS, x[w], rest
-                if state[w] == LOOKS:
-                    longest = _longest(&bracket[2 * r], x[w])
-                    step = FIRST * wide[r] if first else longest
-                    if slope[w] > 0.0:
-                        step = min(OVER * fabs(rest) / slope[w] + FIRST * wide[r], longest)
-                    x[w] += step if rest < 0.0 else -step
-                else:
-                    to = high[w] - at_high[w] * (high[w] - low[w]) / (at_high[w] - at_low[w])
-                    step = fabs(high[w] - low[w])
-                    if number % 5 == 4:
-                        to = 0.5 * (low[w] + high[w])
-                    elif fabs(to - x[w]) <= exact * wide[r] or step <= exact * wide[r]:
-                        x[w] = to
-                        continue
-                    x[w] = to
-                self.active[left], self.slot[left] = self.active[a], w
+                self.active[left] = self.active[a]
+                self.slot[left] = w
                 left += 1
             count = left
             if count == 0:
                 return FOUND
-        return LOST
+        return NOT_FOUND
 
-    def periodic_rows(
+    def find_periodic_rows(
         self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
-        const double[:, ::1] guess, const double[::1] unit, double settles=SETTLED, bint as_guessed=False,
+        const double[:, ::1] guess, const double[::1] unit, double tolerance=NEWTON_TOLERANCE, bint as_guessed=False,
     ) -> tuple[Array, Array, Array, NDArray[np.bool_], str]:
-        """Return the periodic roller slips of rows near a guess (n, K); see `periodic`.
+        """Return periodic motions of rows near a guess; see `find_periodic`.
 
-        Rows are as in `march_orbits`, one roller each; ``unit`` (n,) is what their slips go with. Returned are slips
-        (n, K), multipliers and mean torques of a roller on the cage [N m], (n,), which rows were found, and how it
-        ended. A row that is not found stays as it is guessed; so do all if that is asked for.
+        Parameters
+        ----------
+        rows, around, inertia
+            As in `march_orbits`.
+        guess : (n, K)
+            Roller slips.
+        unit : (n,)
+            Roller slips to which those of a row are proportional.
+        tolerance
+            Step of Newton's method at which it ends, relative to the largest roller slip.
+        as_guessed
+            Evaluate the guesses instead.
+
+        Returns
+        -------
+        tuple
+            Roller slips (n, K), multipliers (n,), mean torques of a roller on the cage [N m], (n,), which rows were
+            found (n,), and a status. A row that is not found stays as it is guessed.
         """
-        cdef Py_ssize_t n = rows.shape[0], K = around, r, k
-        cdef int ended = FOUND
-        cdef double sum, change, rest
-        cdef bint goes_on = False
-        self._rows(rows, K)
+        cdef Py_ssize_t n = rows.shape[0]
+        cdef Py_ssize_t K = around
+        cdef Py_ssize_t r, k
+        cdef int status = FOUND
+        cdef double sum, change, residual
+        cdef bint is_corrected = False
+        self._check_rows(rows, K)
         if not n == inertia.shape[0] == guess.shape[0] == unit.shape[0] or guess.shape[1] != K:
             raise ValueError(f"{n} guesses of {K} positions are expected")
-        slips, multipliers, torques, found = np.array(guess), np.full(n, NAN), np.full(n, NAN), np.zeros(n, np.uint8)
+        slips = np.array(guess)
+        multipliers = np.full(n, NAN)
+        torques = np.full(n, NAN)
+        found = np.zeros(n, np.uint8)
         cdef double[:, ::1] out = slips
-        cdef double[::1] multiplier = multipliers, torque = torques
-        cdef unsigned char[::1] sure = found
-        cdef double *spin = &self.work[6, 0]
-        cdef double *there = &self.work[7, 0]
-        cdef double *nudged = &self.work[8, 0]
-        cdef double *cage = &self.work[13, 0]
+        cdef double[::1] multiplier = multipliers
+        cdef double[::1] torque = torques
+        cdef unsigned char[::1] is_found = found
+        cdef double *spin = self._scratch(0)
+        cdef double *slip_beside = self._scratch(1)
+        cdef double *spin_beside = self._scratch(2)
+        cdef double *cage = self._scratch(7)
         with nogil:
             for r in range(n):
                 for k in range(K):
-                    self.active[k], self.slot[k] = rows[r] * K + k, k
-                if r and sure[r - 1] and not as_guessed:   # second order adds about what it has added before
-                    change = sum = 0.0
+                    self.active[k] = rows[r] * K + k
+                    self.slot[k] = k
+                is_corrected = False
+                if r and is_found[r - 1] and not as_guessed:   # second order adds about what it has added before
+                    change = 0.0
+                    sum = 0.0
                     for k in range(K):
                         change += fabs(guess[r, k] / unit[r] - guess[r - 1, k] / unit[r - 1])
                         sum += fabs(guess[r, k] / unit[r])
-                    goes_on = change <= GOES_ON * sum
-                    if goes_on:
+                    is_corrected = change <= MAX_ROW_CHANGE * sum
+                    if is_corrected:
                         for k in range(K):
                             out[r, k] = guess[r, k] + (out[r - 1, k] - guess[r - 1, k]) * unit[r] / unit[r - 1]
-                ended = LOST if as_guessed else self._periodic(
-                    K, &out[r, 0], inertia[r], 0.0, settles, &multiplier[r], &rest)
-                if ended == LOST and goes_on:
+                status = NOT_FOUND if as_guessed else self._find_periodic(
+                    K, &out[r, 0], inertia[r], tolerance, &multiplier[r], &residual)
+                if status == NOT_FOUND and is_corrected:
                     for k in range(K):
                         out[r, k] = guess[r, k]
-                    ended = self._periodic(K, &out[r, 0], inertia[r], 0.0, settles, &multiplier[r], &rest)
-                goes_on = False
-                if ended != FOUND and ended != LOST:
+                    status = self._find_periodic(K, &out[r, 0], inertia[r], tolerance, &multiplier[r], &residual)
+                if status != FOUND and status != NOT_FOUND:
                     break
-                sure[r] = ended == FOUND
-                if ended == LOST:
+                is_found[r] = status == FOUND
+                if status == NOT_FOUND:
                     for k in range(K):
                         out[r, k] = guess[r, k]
-                        there[k] = guess[r, k] + NUDGE
-                    ended = self._torques(there, nudged, cage, K)
-                    if ended != FOUND:
+                        slip_beside[k] = guess[r, k] + DIFFERENCE_STEP
+                    status = self._torques(slip_beside, spin_beside, cage, K)
+                    if status != FOUND:
                         break
-                ended = self._torques(&out[r, 0], spin, cage, K)
-                if ended != FOUND:
+                status = self._torques(&out[r, 0], spin, cage, K)
+                if status != FOUND:
                     break
-                sum = 0.0
-                if not sure[r]:
+                if not is_found[r]:
+                    sum = 0.0
                     for k in range(K):
-                        sum += (nudged[k] - spin[k]) / NUDGE
-                    sum = sum / inertia[r] if inertia[r] > 0.0 else EXPONENT
-                    multiplier[r], sum = exp(min(max(-sum, -EXPONENT), EXPONENT)), 0.0
+                        sum += (spin_beside[k] - spin[k]) / DIFFERENCE_STEP
+                    multiplier[r] = _multiplier(sum / inertia[r] if inertia[r] > 0.0 else MAX_EXPONENT)
+                sum = 0.0
                 for k in range(K):
                     sum += cage[k]
                 torque[r] = sum / K
-        how = self._ended(ended)
-        return slips, multipliers, torques, found.view(bool), how
+        text = self._status_text(status)
+        return slips, multipliers, torques, found.view(bool), text
 
-    cdef int _check(self, const double[::1] values) except -1:
+    cdef int _check_size(self, const double[::1] values) except -1:
         if values.shape[0] != self.rollers:
             raise ValueError(f"{values.shape[0]} values for {self.rollers} positions")
         return 0
 
-    cdef object _ended(self, int ended):
-        if ended == RAISED and PyErr_Occurred() != NULL:
+    cdef object _status_text(self, int status):
+        if status == RAISED and PyErr_Occurred() != NULL:
             rs_raise_pending()
-        return {INNER: "inner", OUTER: "outer", FOUND: "", LOST: "lost"}[ended]
+        return {INNER: "inner", OUTER: "outer", FOUND: "", NOT_FOUND: "lost"}[status]
 
-    cdef void _all(self) noexcept nogil:
+    cdef inline double *_scratch(self, Py_ssize_t number) noexcept nogil:
+        """A row of working memory, (K,)."""
+        return &self.memory[N_FORCE_ROWS + number, 0]
+
+    cdef void _activate_all(self) noexcept nogil:
         cdef Py_ssize_t k
         for k in range(self.rollers):
-            self.active[k] = self.slot[k] = k
+            self.active[k] = k
+            self.slot[k] = k
 
     cdef int _torques(self, const double *slip, double *spin, double *cage, Py_ssize_t count) noexcept nogil:
         """Torques of the first ``count`` active rollers; the others keep theirs."""
         cdef Py_ssize_t a, k
-        cdef int ring, ended
-        cdef double size = 0.0
-        if self.calls:
+        cdef int which, status
+        cdef double largest = 0.0
+        if self.calls_python:
             with gil:
                 try:
                     self._forces_in_python(slip)
@@ -742,71 +947,64 @@ cdef class Spin:
                     PyErr_SetObject(type(error), error)
                     return RAISED
         else:
-            for ring in range(2):
-                ended = self._forces(ring, slip, count)
-                if ended != FOUND:
-                    return ended
+            for which in range(2):
+                if self.rings[which].nodes != NULL:
+                    self._forces_of_curve(which, slip, count)
+                    continue
+                status = self._forces_of_chain(which, slip, count)
+                if status != FOUND:
+                    return status
         for a in range(count):
             k = self.slot[a]
             self._torque(self.active[a], slip[k], self.rings[INNER].traction[k], self.rings[OUTER].traction[k],
                          self.rings[INNER].resistance[k], self.rings[OUTER].resistance[k], &spin[k], &cage[k])
-            size = max(size, max(fabs(self.rings[INNER].traction[k]), fabs(self.rings[OUTER].traction[k])))
-        self.largest = size
+            largest = max(largest, max(fabs(self.rings[INNER].traction[k]), fabs(self.rings[OUTER].traction[k])))
+        self.largest_traction = largest
         return FOUND
 
     cdef int _forces_in_python(self, const double *slip) except -1:
+        """Tractions and resistances of both rings by a Python function, at all positions."""
         cdef Py_ssize_t k
-        cdef int ring
+        cdef int which
         cdef double[::1] given = np.empty(self.rollers)
         cdef const double[:, :] tractions, resistances
         for k in range(self.rollers):
             given[k] = slip[k]
-        tractions, resistances = self.python(np.asarray(given))
-        for ring in range(2):
+        tractions, resistances = self.python_forces(np.asarray(given))
+        for which in range(2):
             for k in range(self.rollers):
-                self.rings[ring].traction[k], self.rings[ring].resistance[k] = tractions[ring, k], resistances[ring, k]
+                self.rings[which].traction[k] = tractions[which, k]
+                self.rings[which].resistance[k] = resistances[which, k]
         return 0
 
-    cdef int _forces(self, int which, const double *slip, Py_ssize_t count) noexcept nogil:
-        """Traction and resistance of a ring on the active rollers, of slices gathered into its table, part by part."""
+    cdef void _forces_of_curve(self, int which, const double *slip, Py_ssize_t count) noexcept nogil:
+        """Traction and resistance of a ring on the active rollers, by a friction curve."""
+        cdef ring_t *ring = &self.rings[which]
+        cdef Py_ssize_t a, k, at
+        cdef double rolling
+        for a in range(count):
+            k = self.active[a]
+            at = self.slot[a]
+            rolling = self._rolling_speed(which, k, slip[at])
+            ring.traction[at] = _friction_of_curve(ring, self._sliding_speed(which, k, slip[at])) * ring.force[k]
+            ring.resistance[at] = ring.constant_resistance[k] * rolling / _length(rolling, self.min_film_speed)
+        ring.evaluated += count
+
+    cdef int _forces_of_chain(self, int which, const double *slip, Py_ssize_t count) noexcept nogil:
+        """Traction and resistance of a ring on the active rollers, by a chain.
+
+        Slices are gathered into its table, in several parts where the table is too small for all of them.
+        """
         cdef ring_t *ring = &self.rings[which]
         cdef rs_slices *s = &ring.table
-        cdef double **where = &s.position
-        cdef Py_ssize_t begin = 0, end, a, k, i, at, n
-        cdef int status, c
-        cdef double sliding, rolling, spin, sum, rest
+        cdef Py_ssize_t begin = 0
+        cdef Py_ssize_t end, a, k, i, at, n
+        cdef int status
+        cdef double traction, resistance, rolling
         while begin < count:
-            n, end = 0, count
-            for a in range(begin, count):
-                k, at = self.active[a], self.slot[a]
-                spin = self.rolling * slip[at]
-                sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
-                rolling = self._rolls(which, k, slip[at])
-                if ring.nodes != NULL:
-                    ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
-                    ring.resistance[at] = ring.held[k] * rolling / _length(rolling, self.slow)
-                    continue
-                rolling = _length(rolling, self.slow) if self.slow > 0.0 else rolling
-                if n + ring.first[k + 1] - ring.first[k] > ring.room:   # the next part begins with it
-                    end = a
-                    break
-                for i in range(ring.first[k], ring.first[k + 1]):
-                    s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
-                    n += 1
-                if ring.places != NULL:
-                    i = ring.first[k + 1] - ring.first[k]
-                    for c in range(N_PLACES):
-                        memcpy(where[c] + n - i, ring.places + c * ring.loaded + ring.first[k], i * sizeof(double))
-            if ring.nodes != NULL:
-                ring.evaluated += count
-                return FOUND
+            end = self._gather(which, slip, begin, count, &n)
             ring.evaluated += n
-            while n % LANES and n < ring.room:   # whole vectors; stages would copy an odd end
-                s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
-                s.sliding_speed[n] = s.sliding_speed[n - 1]
-                for c in range(N_PLACES if ring.places != NULL else 0):
-                    where[c][n] = where[c][n - 1]
-                n += 1
+            n = _fill_lanes(ring, n)
             s.n = n
             if n:
                 status = ring.chain.evaluate(s, ring.chain.params)
@@ -814,263 +1012,433 @@ cdef class Spin:
                     return RAISED if status == -1 else which
             n = 0
             for a in range(begin, end):
-                k, at = self.active[a], self.slot[a]
-                sum = rest = 0.0
+                k = self.active[a]
+                at = self.slot[a]
+                traction = 0.0
+                resistance = 0.0
                 for i in range(ring.first[k], ring.first[k + 1]):
-                    sum += s.friction[n] * ring.force[i]
-                    rest += s.resistance[n] * ring.width[i] if ring.resists else 0.0
+                    traction += s.friction[n] * ring.force[i]
+                    resistance += s.resistance[n] * ring.width[i] if ring.resists else 0.0
                     n += 1
                 if ring.resists:
-                    rolling = self._rolls(which, k, slip[at])
-                    rest *= rolling / _length(rolling, self.slow)
-                ring.traction[at], ring.resistance[at] = sum, rest
+                    rolling = self._rolling_speed(which, k, slip[at])
+                    resistance *= rolling / _length(rolling, self.min_film_speed)
+                ring.traction[at] = traction
+                ring.resistance[at] = resistance
             begin = end
         return FOUND
 
-    cdef inline double _rolls(self, int which, Py_ssize_t k, double slip) noexcept nogil:
-        """Entrainment speed of a contact."""
+    cdef Py_ssize_t _gather(self, int which, const double *slip, Py_ssize_t begin, Py_ssize_t count,
+                            Py_ssize_t *n_gathered) noexcept nogil:
+        """Gather slices of active rollers from one on into the table; return the first roller that does not fit."""
+        cdef ring_t *ring = &self.rings[which]
+        cdef rs_slices *s = &ring.table
+        cdef double **table_places = &s.position
+        cdef Py_ssize_t n = 0
+        cdef Py_ssize_t end = count
+        cdef Py_ssize_t a, k, i, size
+        cdef int c
+        cdef double sliding, rolling
+        for a in range(begin, count):
+            k = self.active[a]
+            size = ring.first[k + 1] - ring.first[k]
+            if n + size > ring.capacity:
+                end = a
+                break
+            sliding = self._sliding_speed(which, k, slip[self.slot[a]])
+            rolling = self._rolling_speed(which, k, slip[self.slot[a]])
+            if self.min_film_speed > 0.0:
+                rolling = _length(rolling, self.min_film_speed)
+            if ring.places != NULL:
+                for c in range(N_PLACES):
+                    memcpy(table_places[c] + n, ring.places + c * ring.n_slices + ring.first[k], size * sizeof(double))
+            for i in range(ring.first[k], ring.first[k + 1]):
+                s.load[n] = ring.load[i]
+                s.rolling_speed[n] = rolling
+                s.sliding_speed[n] = sliding
+                n += 1
+        n_gathered[0] = n
+        return end
+
+    cdef inline double _sliding_speed(self, int which, Py_ssize_t k, double slip) noexcept nogil:
+        """Sliding speed of a contact [m/s]."""
+        cdef double spin = self.rolling * slip
+        return self.rings[which].lead[k] + spin if which == INNER else self.rings[which].lead[k] - spin
+
+    cdef inline double _rolling_speed(self, int which, Py_ssize_t k, double slip) noexcept nogil:
+        """Entrainment speed of a contact [m/s]."""
         cdef double spin = self.rolling * slip
         return self.rolling + (0.5 * (self.rings[which].lead[k] - spin) if which == INNER else
                                -0.5 * (self.rings[which].lead[k] + spin))
 
     cdef inline void _torque(self, Py_ssize_t k, double slip, double inner, double outer, double inner_resistance,
                              double outer_resistance, double *spin, double *cage) noexcept nogil:
-        """Torques of the roller at a position on its spin, G, and on the cage."""
-        cdef double slides
-        cdef double along = self.inner * (inner + inner_resistance) + self.outer * (outer - outer_resistance)
-        spin[0] = self.radius * (inner - inner_resistance - outer - outer_resistance)
+        """Torques of the roller at a position on its spin, G, and on the cage [N m]."""
+        cdef double friction
+        cdef double along = (
+            self.inner_radius * (inner + inner_resistance) + self.outer_radius * (outer - outer_resistance))
+        cdef double sliding = self.rolling * (1.0 - slip)
+        spin[0] = self.roller_radius * (inner - inner_resistance - outer - outer_resistance)
         if self.pocket > 0.0:
-            slides = self.rolling * (1.0 - slip)
-            spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / _length(slides, SLOWLY)
+            friction = self.pocket * self.roller_radius / self.orbit_radius * fabs(spin[0] + along)
+            spin[0] -= friction * sliding / _length(sliding, POCKET_TRANSITION_SPEED)
         if self.brakes != NULL:
-            slides = self.rolling * (1.0 - slip)
-            spin[0] -= self.brakes[k] * slides / _length(slides, SLOWLY)
+            spin[0] -= self.brakes[k] * sliding / _length(sliding, POCKET_TRANSITION_SPEED)
         cage[0] = spin[0] + along
 
-    cdef int _balanced(self, const double *lowest, const double *highest, double *at, double *slope, double leap,
-                       unsigned char *lost) noexcept nogil:
-        """Secants in brackets, from ``at``; slopes that are known, above zero, give the first step, and are renewed.
+    cdef int _find_balances(self, const double *lowest, const double *highest, double *slip, double *slope,
+                            double first_step_beyond, unsigned char *not_found) noexcept nogil:
+        """Find zeros of the torque by the secant method in brackets, from ``slip``.
 
-        ``leap`` is the first step, relative to the bracket, that may be taken to where nothing is known; it is doubled.
+        1. The first step follows from known slopes, if all are above zero, otherwise from a second evaluation.
+        2. An evaluation narrows the bracket. A secant that leaves it is replaced by its middle, and every third one too
+           if three have not halved it.
+        3. A step into a part of the bracket where no torque is known is limited by ``first_step_beyond``, relative to
+           the bracket, which is doubled each time: the balance is the first one in the sense of the torque.
+        4. A balance is found when what a secant leaves of its step is below `BALANCE_TOLERANCE`. Slopes are renewed.
         """
-        cdef double *low = &self.work[6, 0]
-        cdef double *high = &self.work[7, 0]
-        cdef double *before = &self.work[8, 0]
-        cdef double *value = &self.work[9, 0]
-        cdef double *value_before = &self.work[10, 0]
-        cdef double *wide = &self.work[11, 0]
-        cdef double *moved = &self.work[12, 0]
-        cdef double *cage = &self.work[13, 0]
-        cdef double *room = &self.work[14, 0]
-        cdef Py_ssize_t count = 0, left, a, k
-        cdef int number, ended
-        cdef double to, step, reach, steep
-        cdef bint all_known = slope != NULL, inside
+        cdef double *low = self._scratch(0)
+        cdef double *high = self._scratch(1)
+        cdef double *slip_before = self._scratch(2)
+        cdef double *torque = self._scratch(3)
+        cdef double *torque_before = self._scratch(4)
+        cdef double *width_before = self._scratch(5)
+        cdef double *step_before = self._scratch(6)
+        cdef double *cage = self._scratch(7)
+        cdef double *max_step = self._scratch(8)
+        cdef Py_ssize_t count = 0
+        cdef Py_ssize_t left, a, k
+        cdef int number, status
+        cdef double to, step, width, secant_slope, remains
+        cdef bint all_known = slope != NULL
+        cdef bint inside
         for k in range(self.rollers):
-            low[k], high[k] = lowest[k], highest[k]
-            reach = high[k] - low[k]
-            wide[k] = moved[k] = reach
-            room[k] = leap * reach
-            if reach > 0.0:
-                self.active[count] = self.slot[count] = k
+            low[k] = lowest[k]
+            high[k] = highest[k]
+            width = high[k] - low[k]
+            width_before[k] = width
+            step_before[k] = width
+            max_step[k] = first_step_beyond * width
+            if width > 0.0:
+                self.active[count] = k
+                self.slot[count] = k
                 count += 1
-                before[k] = at[k] + (APART if at[k] < 0.5 * (lowest[k] + highest[k]) else -APART) * reach
+                step = FIRST_SECANT if slip[k] < 0.5 * (lowest[k] + highest[k]) else -FIRST_SECANT
+                slip_before[k] = slip[k] + step * width
                 all_known = all_known and slope[k] > 0.0
         if count == 0:
             return FOUND
         if not all_known:
-            ended = self._torques(before, value_before, cage, count)
-            if ended != FOUND:
-                return ended
-        ended = self._torques(at, value, cage, count)
-        if ended != FOUND:
-            return ended
+            status = self._torques(slip_before, torque_before, cage, count)
+            if status != FOUND:
+                return status
+        status = self._torques(slip, torque, cage, count)
+        if status != FOUND:
+            return status
         if all_known:
             for a in range(count):
                 k = self.active[a]
-                value_before[k] = value[k] + slope[k] * (before[k] - at[k])
-        for number in range(BISECTIONS):
+                torque_before[k] = torque[k] + slope[k] * (slip_before[k] - slip[k])
+        for number in range(MAX_SECANTS):
             left = 0
             for a in range(count):
                 k = self.active[a]
-                reach = highest[k] - lowest[k]
-                if value[k] < 0.0:
-                    low[k] = at[k]
-                elif value[k] > 0.0:
-                    high[k] = at[k]
-                elif value[k] == 0.0:
+                width = highest[k] - lowest[k]
+                if torque[k] < 0.0:
+                    low[k] = slip[k]
+                elif torque[k] > 0.0:
+                    high[k] = slip[k]
+                elif torque[k] == 0.0:
                     continue
-                steep = (value[k] - value_before[k]) / (at[k] - before[k])
-                to = at[k] - value[k] / steep
+                secant_slope = (torque[k] - torque_before[k]) / (slip[k] - slip_before[k])
+                to = slip[k] - torque[k] / secant_slope
                 inside = low[k] < to < high[k]
-                if number % 3 == 2 and (slope == NULL or number > 2):  # three steps halve the bracket at least
-                    inside = inside and high[k] - low[k] <= 0.5 * wide[k]
-                    wide[k] = high[k] - low[k]
+                if number % 3 == 2 and (slope == NULL or number > 2):
+                    inside = inside and high[k] - low[k] <= 0.5 * width_before[k]
+                    width_before[k] = high[k] - low[k]
                 if not inside:
                     to = 0.5 * (low[k] + high[k])
                 elif slope != NULL:
-                    slope[k] = steep
-                # towards an end where no torque is known, as the roller would go, to the first balance on its way
-                if fabs(to - at[k]) > room[k] and (high[k] == highest[k] if value[k] < 0.0 else low[k] == lowest[k]):
-                    to, inside = at[k] + (room[k] if value[k] < 0.0 else -room[k]), False
-                    room[k] *= 2.0
-                step = fabs(to - at[k])
-                before[k], value_before[k], at[k] = at[k], value[k], to
-                # what a secant leaves of its step: the share that this is of the one before, or, where that is small by
-                # chance, what the torque bends over the one before
-                if value_before[k] == value_before[k] and (step <= BALANCED * reach or number and inside and (
-                        step * max(step / moved[k], BENDS * moved[k] / reach) <= BALANCED * reach)):
+                    slope[k] = secant_slope
+                if fabs(to - slip[k]) > max_step[k] and (
+                        high[k] == highest[k] if torque[k] < 0.0 else low[k] == lowest[k]):
+                    to = slip[k] + (max_step[k] if torque[k] < 0.0 else -max_step[k])
+                    inside = False
+                    max_step[k] *= 2.0
+                step = fabs(to - slip[k])
+                slip_before[k] = slip[k]
+                torque_before[k] = torque[k]
+                slip[k] = to
+                # a secant leaves the fraction that its step is of the one before, or, where that is small by chance,
+                # what the slope changes over the one before; a torque that is NaN is never found
+                remains = step
+                if number and inside:
+                    remains *= min(1.0, max(step / step_before[k], MAX_SLOPE_CHANGE * step_before[k] / width))
+                if torque_before[k] == torque_before[k] and remains <= BALANCE_TOLERANCE * width:
                     continue
-                moved[k] = step
-                self.active[left] = self.slot[left] = k
+                step_before[k] = step
+                self.active[left] = k
+                self.slot[left] = k
                 left += 1
             count = left
             if count == 0:
                 return FOUND
-            ended = self._torques(at, value, cage, count)
-            if ended != FOUND:
-                return ended
+            status = self._torques(slip, torque, cage, count)
+            if status != FOUND:
+                return status
         for a in range(count):
-            lost[self.active[a]] = 1
-        return LOST
+            not_found[self.active[a]] = 1
+        return NOT_FOUND
 
-    cdef int _periodic(self, Py_ssize_t K, double *slip, double inertia, double damping, double settles,
-                       double *multiplier, double *left) noexcept nogil:
-        """Of K active positions, whose slips and torques stand from the first slot on."""
+    cdef int _find_periodic(self, Py_ssize_t K, double *slip, double inertia, double tolerance, double *multiplier,
+                            double *largest_residual) noexcept nogil:
+        """Find a periodic motion of the K active positions, whose slips and torques stand from the first slot on.
+
+        Newton's method. Slopes of the torque are difference quotients at first, then secants of short steps. A step
+        that is too long, or that lets the residual grow, is taken again with damping, as of a step in pseudo-time.
+        """
+        cdef double *torque = self._scratch(0)
+        cdef double *residual = self._scratch(1)
+        cdef double *trial = self._scratch(2)
+        cdef double *trial_torque = self._scratch(3)
+        cdef double *trial_residual = self._scratch(4)
+        cdef double *slope = self._scratch(5)
+        cdef double *step = self._scratch(6)
+        cdef double *cage = self._scratch(7)
         cdef Py_ssize_t k
-        cdef double *torque = &self.work[6, 0]
-        cdef double *residual = &self.work[7, 0]
-        cdef double *there = &self.work[8, 0]
-        cdef double *torque_there = &self.work[9, 0]
-        cdef double *residual_there = &self.work[10, 0]
-        cdef double *slope = &self.work[11, 0]
-        cdef double *step = &self.work[12, 0]
-        cdef double *cage = &self.work[13, 0]
-        cdef double size, sum, steepest, moved, largest, worse
-        cdef int ended
-        cdef bint within, settled, far = True
-        ended = self._torques(slip, torque, cage, K)
-        if ended != FOUND:
-            return ended
-        size = self.largest
-        left[0] = _unbalanced(K, slip, torque, inertia, residual)
-        for _ in range(STEPS if damping > 0.0 else OUTRIGHT):
-            if far:  # else the step before tells the slopes
+        cdef double traction, sum, steepest, longest_step, largest_slip, growth
+        cdef double damping = 0.0
+        cdef int status
+        cdef bint is_short, is_last
+        cdef bint needs_slopes = True
+        status = self._torques(slip, torque, cage, K)
+        if status != FOUND:
+            return status
+        traction = self.largest_traction
+        largest_residual[0] = _residuals(K, slip, torque, inertia, residual)
+        for _ in range(MAX_NEWTON_STEPS):
+            if needs_slopes:
                 for k in range(K):
-                    there[k] = slip[k] + NUDGE
-                ended = self._torques(there, torque_there, cage, K)
-                if ended != FOUND:
-                    return ended
+                    trial[k] = slip[k] + DIFFERENCE_STEP
+                status = self._torques(trial, trial_torque, cage, K)
+                if status != FOUND:
+                    return status
                 for k in range(K):
-                    slope[k] = (torque_there[k] - torque[k]) / NUDGE
-                far = False
-            sum = steepest = largest = 0.0
+                    slope[k] = (trial_torque[k] - torque[k]) / DIFFERENCE_STEP
+                needs_slopes = False
+            sum = 0.0
+            steepest = 0.0
+            largest_slip = 0.0
             for k in range(K):
                 sum += slope[k]
-                steepest, largest = max(steepest, fabs(slope[k])), max(largest, fabs(slip[k]))
-            multiplier[0] = exp(min(max(-sum / inertia, -EXPONENT), EXPONENT))
-            if left[0] <= ROUNDING * (self.radius * size + inertia * largest):
+                steepest = max(steepest, fabs(slope[k]))
+                largest_slip = max(largest_slip, fabs(slip[k]))
+            multiplier[0] = _multiplier(sum / inertia)
+            if largest_residual[0] <= ROUNDING * (self.roller_radius * traction + inertia * largest_slip):
                 return FOUND
-            # no step of pseudo-time goes towards a motion that is not held
+            for k in range(K):   # with the size of slopes no damped step goes towards an unstable motion
+                trial[k] = fabs(slope[k]) + damping if damping > 0.0 else slope[k]
+            self._solve_cyclic(K, inertia, trial, residual, step)
+            longest_step = 0.0
+            is_short = True
             for k in range(K):
-                there[k] = fabs(slope[k]) + damping if damping > 0.0 else slope[k]
-            self._around(K, inertia, there, residual, step)
-            moved, within = 0.0, True
-            for k in range(K):
-                within = within and fabs(step[k]) <= REACH
-                moved = max(moved, fabs(step[k]))
-            if not within:
-                damping = max(4.0 * damping, LEAST * steepest)
+                is_short = is_short and fabs(step[k]) <= MAX_NEWTON_STEP
+                longest_step = max(longest_step, fabs(step[k]))
+            if not is_short:   # nor NaN
+                damping = max(4.0 * damping, MIN_DAMPING * steepest)
                 continue
             for k in range(K):
-                there[k] = slip[k] + step[k]
-            settled = moved <= settles * largest
-            if settled and damping == 0.0:
+                trial[k] = slip[k] + step[k]
+            is_last = longest_step <= tolerance * largest_slip
+            if is_last and damping == 0.0:
                 for k in range(K):
-                    slip[k] = there[k]
+                    slip[k] = trial[k]
                 return FOUND
-            ended = self._torques(there, torque_there, cage, K)
-            if ended != FOUND:
-                return ended
-            worse = _unbalanced(K, there, torque_there, inertia, residual_there) / left[0]
-            if settled or worse <= WORSE or damping >= 4.0 * steepest:
-                far = moved > FAR_OFF * largest
+            status = self._torques(trial, trial_torque, cage, K)
+            if status != FOUND:
+                return status
+            growth = _residuals(K, trial, trial_torque, inertia, trial_residual) / largest_residual[0]
+            if is_last or growth <= MAX_RESIDUAL_GROWTH or damping >= 4.0 * steepest:
+                needs_slopes = longest_step > MAX_SECANT_STEP * largest_slip
                 for k in range(K):
-                    if fabs(there[k] - slip[k]) > CLOSE:
-                        slope[k] = (torque_there[k] - torque[k]) / (there[k] - slip[k])
-                    slip[k], torque[k], residual[k] = there[k], torque_there[k], residual_there[k]
-                size, left[0] = self.largest, worse * left[0]
-                if damping > LEAST * steepest:
-                    damping /= 4.0 if worse <= 1.0 else 1.5
-                elif worse <= 1.0:  # while it gets worse a torque is past its maximum: undamped steps would go back
+                    if fabs(trial[k] - slip[k]) > MIN_SECANT_STEP:
+                        slope[k] = (trial_torque[k] - torque[k]) / (trial[k] - slip[k])
+                    slip[k] = trial[k]
+                    torque[k] = trial_torque[k]
+                    residual[k] = trial_residual[k]
+                traction = self.largest_traction
+                largest_residual[0] = growth * largest_residual[0]
+                if damping > MIN_DAMPING * steepest:
+                    damping /= 4.0 if growth <= 1.0 else 1.5
+                elif growth <= 1.0:   # while it grows a torque is past its maximum: undamped steps would go back
                     damping = 0.0
             else:
-                damping = max(4.0 * damping, LEAST * steepest)
-        return LOST
+                damping = max(4.0 * damping, MIN_DAMPING * steepest)
+        return NOT_FOUND
 
-    cdef void _around(self, Py_ssize_t K, double c, const double *slope, const double *residual,
-                      double *x) noexcept nogil:
-        """Solve change(x) + slope x = -residual around the orbit; NaN if that has no solution.
+    cdef void _solve_cyclic(self, Py_ssize_t K, double c, const double *slope, const double *residual,
+                            double *x) noexcept nogil:
+        """Solve c D x + slope x = -residual, D the difference of second order round the orbit; NaN if it is singular.
 
-        The last two values, on which the first two depend, are found from what each of them adds to all.
+        Forward substitution gives x = x_0 + x_-1 u + x_-2 v with the last two values as unknowns, for which the last
+        two rows are two equations.
         """
-        cdef double *first = &self.work[14, 0]
-        cdef double *second = &self.work[15, 0]
-        cdef double d, side, a, b, e, f, g, h, determinant, last, previous
-        cdef double one[3]
-        cdef double two[3]
-        cdef double now[3]
+        cdef double *u = self._scratch(8)
+        cdef double *v = self._scratch(9)
+        cdef double diagonal, right, a, b, e, f, g, h, determinant, last, second_last
+        cdef double before[3]          # of x_0, u and v at the position before,
+        cdef double two_before[3]      # and at that before it
+        cdef double here[3]
         cdef Py_ssize_t k
         cdef int i
         for i in range(3):
-            one[i] = two[i] = 0.0
+            before[i] = 0.0
+            two_before[i] = 0.0
         for k in range(K):
-            d = 1.5 * c + slope[k]
-            d = d if d != 0.0 else NAN
+            diagonal = 1.5 * c + slope[k]
+            diagonal = diagonal if diagonal != 0.0 else NAN
             for i in range(3):
-                side = -residual[k] if i == 0 else 0.0
+                right = -residual[k] if i == 0 else 0.0
                 if i == 1 and k < 2:
-                    side = 2.0 * c if k == 0 else -0.5 * c
+                    right = 2.0 * c if k == 0 else -0.5 * c
                 elif i == 2 and k == 0:
-                    side = -0.5 * c
-                now[i] = (side + 2.0 * c * one[i] - 0.5 * c * two[i]) / d
+                    right = -0.5 * c
+                here[i] = (right + 2.0 * c * before[i] - 0.5 * c * two_before[i]) / diagonal
             for i in range(3):
-                two[i], one[i] = one[i], now[i]
-            x[k], first[k], second[k] = now[0], now[1], now[2]
+                two_before[i] = before[i]
+                before[i] = here[i]
+            x[k] = here[0]
+            u[k] = here[1]
+            v[k] = here[2]
         k = (K - 2) % K
-        a, b, e, f, g, h = x[K - 1], first[K - 1], second[K - 1], x[k], first[k], second[k]
-        determinant = (1.0 - b) * (1.0 - h) - e * g  # x_-1 = a + b x_-1 + e x_-2, x_-2 = f + g x_-1 + h x_-2
-        last, previous = (a * (1.0 - h) + e * f) / determinant, (f * (1.0 - b) + g * a) / determinant
+        a, b, e = x[K - 1], u[K - 1], v[K - 1]   # x_-1 = a + b x_-1 + e x_-2
+        f, g, h = x[k], u[k], v[k]               # x_-2 = f + g x_-1 + h x_-2
+        determinant = (1.0 - b) * (1.0 - h) - e * g
+        last = (a * (1.0 - h) + e * f) / determinant
+        second_last = (f * (1.0 - b) + g * a) / determinant
         for k in range(K):
-            x[k] += first[k] * last + second[k] * previous
+            x[k] += u[k] * last + v[k] * second_last
 
 
 cdef inline double _length(double x, double y) noexcept nogil:
-    """Root of the squares of two speeds, which are far from overflow: hypot took a twelfth of a search."""
+    """Root of the sum of the squares of two speeds, which are far from overflow: hypot took a twelfth of a search."""
     return sqrt(x * x + y * y)
 
 
-cdef inline double _longest(const double *bracket, double x) noexcept nogil:
-    """Longest step of a roller in which no balance is lost."""
-    return ALONG * max(bracket[1] - bracket[0], NARROW) + BEYOND * max(max(bracket[0] - x, x - bracket[1]), 0.0)
+cdef inline double _multiplier(double exponent) noexcept nogil:
+    """Floquet's multiplier exp(-exponent), without overflow."""
+    return exp(min(max(-exponent, -MAX_EXPONENT), MAX_EXPONENT))
 
 
-cdef double _of_curve(const ring_t *ring, double sliding) noexcept nogil:
-    """Friction of a curve at a sliding speed, by cubics between its nodes; beyond them it is held."""
-    cdef double x = sliding / (fabs(sliding) + ring.scale), t
-    cdef Py_ssize_t k
-    cdef const double *at
-    t = (min(max(x, ring.begin), ring.end) - ring.begin) / (ring.end - ring.begin) * ring.cells
-    k = min(<Py_ssize_t>t, ring.cells - 1)
+cdef inline double _longest_step(const double *bracket, double slip) noexcept nogil:
+    """Longest step of a walker in which no balance is passed over."""
+    return MAX_STEP_INSIDE * max(bracket[1] - bracket[0], MIN_BRACKET) + (
+        MAX_STEP_OUTSIDE * max(max(bracket[0] - slip, slip - bracket[1]), 0.0))
+
+
+cdef bint _secant(walker_t *walker, double residual, const double *bracket, double width, double tolerance,
+                  double *slip) noexcept nogil:
+    """Take a step by the slope of the balance before, or a secant; return whether the balance is found.
+
+    A walker whose slope changes too much, or which goes too far, begins again at the position before.
+    """
+    cdef double slope_before = walker.slope
+    cdef double last_step = 0.0
+    cdef double to, step
+    if walker.state == BY_SECANTS:
+        last_step = slip[0] - walker.low
+        walker.slope = (residual - walker.residual_low) / last_step
+    to = slip[0] - residual / walker.slope
+    walker.count += 1
+    if walker.count > MAX_FREE_SECANTS or not slope_before < MAX_SLOPE_RATIO * walker.slope or (
+            not walker.slope < MAX_SLOPE_RATIO * slope_before) or (
+            fabs(to - walker.position_before) > _longest_step(bracket, walker.position_before)):
+        slip[0] = walker.position_before
+        walker.state = STARTS
+        walker.slope = slope_before
+        walker.count = 0
+        return False
+    walker.low = slip[0]
+    walker.residual_low = residual
+    step = fabs(to - slip[0])
+    slip[0] = to
+    if step <= tolerance * width or walker.state == BY_SECANTS and (
+            step * max(step / fabs(last_step), MAX_MARCH_SLOPE_CHANGE * fabs(last_step) / width) <= tolerance * width):
+        return True
+    walker.state = BY_SECANTS
+    return False
+
+
+cdef void _step_on(walker_t *walker, double residual, const double *bracket, double width, double *slip) noexcept nogil:
+    """Step in the sense of the torque, by the last slope a little beyond the balance, or by the longest step."""
+    cdef double longest = _longest_step(bracket, slip[0])
+    cdef double step = FIRST_MARCH_STEP * width if walker.state == STARTS else longest
+    if walker.state == SEARCHES and slip[0] != walker.low:
+        walker.slope = (residual - walker.residual_low) / (slip[0] - walker.low)
+    walker.state = SEARCHES
+    walker.low = slip[0]
+    walker.residual_low = residual
+    if walker.slope > 0.0:
+        step = min(OVERSTEP * fabs(residual) / walker.slope + FIRST_MARCH_STEP * width, longest)
+    slip[0] += step if residual < 0.0 else -step
+
+
+cdef bint _illinois(walker_t *walker, double residual, int number, double tolerance, double *slip) noexcept nogil:
+    """Narrow the bracket of a walker and take the next step; return whether the balance is found."""
+    if (residual < 0.0) == (walker.residual_low < 0.0):
+        walker.low = slip[0]
+        walker.residual_low = residual
+        walker.residual_high *= 0.5 if walker.count > 0 else 1.0
+        walker.count = 1
+    else:
+        walker.high = slip[0]
+        walker.residual_high = residual
+        walker.residual_low *= 0.5 if walker.count < 0 else 1.0
+        walker.count = -1
+    return _regula_falsi(walker, number, tolerance, slip)
+
+
+cdef bint _regula_falsi(walker_t *walker, int number, double tolerance, double *slip) noexcept nogil:
+    """Take a step of regula falsi, or in every fifth step to the middle; return whether the balance is found."""
+    cdef double width = walker.high - walker.low
+    cdef double to = walker.high - walker.residual_high * width / (walker.residual_high - walker.residual_low)
+    cdef bint found = False
+    if number % 5 == 4:
+        to = 0.5 * (walker.low + walker.high)
+    else:
+        found = fabs(to - slip[0]) <= tolerance or fabs(width) <= tolerance
+    slip[0] = to
+    return found
+
+
+cdef Py_ssize_t _fill_lanes(ring_t *ring, Py_ssize_t n) noexcept nogil:
+    """Repeat the last slice up to whole vectors, since stages would copy an odd end; return the number of slices."""
+    cdef rs_slices *s = &ring.table
+    cdef double **table_places = &s.position
+    cdef int c
+    while n % LANES and n < ring.capacity:
+        s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
+        s.sliding_speed[n] = s.sliding_speed[n - 1]
+        for c in range(N_PLACES if ring.places != NULL else 0):
+            table_places[c][n] = table_places[c][n - 1]
+        n += 1
+    return n
+
+
+cdef double _friction_of_curve(const ring_t *ring, double sliding) noexcept nogil:
+    """Friction at a sliding speed, by cubics of Hermite between the nodes of a curve; beyond them it is constant."""
+    cdef double x = sliding / (fabs(sliding) + ring.scale)
+    cdef double t = (min(max(x, ring.begin), ring.end) - ring.begin) / (ring.end - ring.begin) * ring.cells
+    cdef Py_ssize_t k = min(<Py_ssize_t>t, ring.cells - 1)
+    cdef const double *node = &ring.nodes[2 * k]
     t -= k
-    at = &ring.nodes[2 * k]
-    return ((1.0 + 2.0 * t) * at[0] + t * at[1]) * (1.0 - t) * (1.0 - t) + (
-        (3.0 - 2.0 * t) * at[2] - (1.0 - t) * at[3]) * t * t
+    return ((1.0 + 2.0 * t) * node[0] + t * node[1]) * (1.0 - t) * (1.0 - t) + (
+        (3.0 - 2.0 * t) * node[2] - (1.0 - t) * node[3]) * t * t
 
 
-cdef double _unbalanced(Py_ssize_t n, const double *slip, const double *torque, double inertia,
-                        double *residual) noexcept nogil:
-    """What the change of the spin and the torques leave, and the largest of it."""
+cdef double _residuals(Py_ssize_t n, const double *slip, const double *torque, double inertia,
+                       double *residual) noexcept nogil:
+    """Residuals c D s + G(s) at all positions, and the largest of them."""
     cdef Py_ssize_t k
     cdef double largest = 0.0
     for k in range(n):

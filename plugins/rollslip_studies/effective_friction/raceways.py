@@ -255,7 +255,7 @@ class LoadedRaceways:
         near = self._below(float(cage_slip[0]))
         if not near and cage_slip[0] > _START_SLIP:
             cage_slip = np.concatenate(([_START_SLIP], cage_slip))
-        fractions, lost, self._slopes, row, ended = self._spins.kernel.followed(
+        fractions, lost, self._slopes, row, ended = self._spins.kernel.continue_balances(
             np.array([ahead.inner_sliding, ahead.outer_sliding]),
             rolls,
             cage_slip,

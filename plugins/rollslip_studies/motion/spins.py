@@ -51,7 +51,7 @@ from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.search import Rows
 from rollslip.structure import Location
-from rollslip_kernels.motion.spin import NUDGED, SLIDES
+from rollslip_kernels.motion.spin import DIFFERENTIATION_STEP, TRANSITION_SPEED
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.effective_table import EffectiveTable
@@ -489,7 +489,7 @@ class Motions:
             tables=self._tables[n_loads is None],
             brakes=None if brakes is None else brakes.ravel(),
         )
-        spins.kernel.at(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
+        spins.kernel.set_leads(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
 
     # The march --------------------------------------------------------------------------------------------------------
@@ -634,7 +634,7 @@ class Motions:
         inertia = (self._inertia_torque * np.abs(1.0 - slips))[rows]
         error = np.zeros(rows.size)
         if self._inertia_torque:
-            found, multiplier, torque, is_found, status = spins.kernel.periodic_rows(
+            found, multiplier, torque, is_found, status = spins.kernel.find_periodic_rows(
                 rows, self.positions, inertia, marched, scale, _NEWTON_TOLERANCE
             )
             spins.check(status)
@@ -673,7 +673,7 @@ class Motions:
         self, spins: Spins, rows: Rows, roller_slips: Array, inertia: Array, scale: Array
     ) -> tuple[Array, Array]:
         """Mean torques of all rollers on the cage [N m] and multipliers of given roller slips (m, K), (m,) each."""
-        _, multiplier, torque, _, status = spins.kernel.periodic_rows(
+        _, multiplier, torque, _, status = spins.kernel.find_periodic_rows(
             rows, self.positions, inertia, roller_slips, scale, as_guessed=True
         )
         spins.check(status)
@@ -800,7 +800,7 @@ class Motions:
         """
         k = self.assembly.kinematics
         spin_torque, torque = self._torques(spins, roller_slips)
-        nudged_spin_torque, nudged_torque = self._torques(spins, roller_slips + NUDGED)
+        nudged_spin_torque, nudged_torque = self._torques(spins, roller_slips + DIFFERENTIATION_STEP)
         # below zero the spin is not in a stable balance
         rise = np.maximum(nudged_spin_torque - spin_torque, 0.0)
         fall = np.divide(
@@ -808,4 +808,4 @@ class Motions:
         )
         surface = k.roller_radius * k.epicyclic_roller_speed * (1.0 - roller_slips)
         fall = np.clip(fall, 0.0, k.outer_radius / k.roller_radius) * surface
-        return self.sense * torque, fall / np.hypot(surface, SLIDES)
+        return self.sense * torque, fall / np.hypot(surface, TRANSITION_SPEED)
