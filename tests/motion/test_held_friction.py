@@ -192,10 +192,10 @@ def test_it_is_renewed_where_it_is_off_by_what_is_allowed():
     told = []
     for tolerance in (1e-5, 1e-6):
         solver = Leapfrog(moving.system.capsule, 0.0, sliding("pocket", "curve"), 0.01, tolerance)
-        assert solver.told == {}
+        assert solver.diagnostics == {}
         assert solver.advance()[0] == "finished"
-        told.append(solver.told)
-        assert solver.told["friction_held"] * solver.renewals == pytest.approx(
+        told.append(solver.diagnostics)
+        assert solver.diagnostics["friction_held"] * solver.renewals == pytest.approx(
             0.01, rel=0.05
         )  # but for the last one
     assert told[0]["friction_off"] == pytest.approx(1e-3, rel=0.5)

@@ -1,40 +1,40 @@
-"""Leapfrog with extrapolated speeds, for systems of arrow shape that swing and are hardly damped.
+"""Leapfrog with extrapolated speeds, for systems of arrow shape that oscillate with little damping.
 
-Places q, whose rates are sums of speeds, and all other unknowns v (`kicked` of system.h), the ledger among
-them; a_old is the rate of v in the middle of the step before::
+The unknowns are places q, whose rates are sums of speeds, and all others, v (`kicked` of system.h), with the ledger
+among them. a_old is the rate of v in the middle of the step before::
 
     q+ = q + h/2 q'(v)     v~ = v + h/2 a_old     a = a(t + h/2, q+, v~)     v += h a     q = q+ + h/2 q'(v)
 
-One evaluation a step, of order 2 also where forces depend on speeds. A step damps nothing by itself, so that what
-swings goes on swinging: implicit methods of few stages take an impact for the end of it.
+A step takes one evaluation and is of order 2, also where forces depend on speeds. It adds no damping of its own, so
+that oscillations continue; implicit methods of few stages damp them within an impact.
 Step
-    Fixed: h = min(0.2/omega_c, 0.8/omega_s) at a relative tolerance of 1e-5 and above, with the frequencies that the
-    system tells, omega_c of what touches and parts and is to be resolved, omega_s of what swings all the time and need
-    be stable only (h omega_s < 2). Where both are told, and the system keeps what touches apart, two rates: h =
-    1.4/omega_s, and in either half of a step what touches goes through its own swings in parts of at most 0.1/omega_c,
-    a kick by the forces in the middle of each; where nothing will touch until the next step has ended, there is
-    nothing to go through, and the places drift at once. Below that tolerance all go as the square root of it, the
-    largest of all unknowns counting. Where a system tells no frequency or no places all unknowns are kicked, and the
-    step is held to tolerance by a tenth of the difference from Euler's method: its error is smaller by another power.
-    Where the system tells for how long nothing will touch, and nothing swings, a step goes nine tenths of that time.
+    Fixed: h = min(0.2/omega_c, 0.8/omega_s) at a relative tolerance of 1e-5 and above. The system gives omega_c of
+    contacts that close and open, which is to be resolved, and omega_s of permanent oscillations, for which the step
+    need be stable only (h omega_s < 2). Where the system gives both and separates the contacts, two rates are used:
+    h = 1.4/omega_s, and in either half of a step contacts take substeps of at most 0.1/omega_c, a kick by the forces in
+    the middle of each. Where no contact closes until the next step has ended, there are no substeps. Below that
+    tolerance all steps go as the square root of it; the largest tolerance of all unknowns counts. Where a system gives
+    no frequency or no places, all unknowns are kicked, and a tenth of the difference from Euler's method controls the
+    step: that error is smaller by another power of h. Where the system gives the time during which no contact closes,
+    and nothing oscillates, a step takes nine tenths of that time.
 Friction
-    Where the system can hold its friction, linear in the sliding speeds and in time or force, it is evaluated in the
-    middle of a step where a time is over, and held for another. That is chosen: where friction is renewed, what was
-    held is off by some share, which goes with the square of the time, and is led to 1e-3 at usual tolerances and in
-    proportion below; on average over the time it is a third of that. At most it is 32 of the steps that resolve all.
+    Where the system can hold its friction, linear in the sliding speeds and in time or force, friction is evaluated in
+    the middle of a step once its interval is over, and held for the next interval. The interval is chosen by how far
+    the held friction was off when it was renewed, which goes with the square of the interval: 1e-3 at usual tolerances
+    and in proportion below, a third of that on average over the time. It has 32 of the steps that resolve all at most.
 Damping
-    Extrapolated speeds damp as Adams and Bashforth's method of order 2 does, stable for D h < 1. The rate D of the
-    strongest damping, the largest eigenvalue of what speeds do to speeds, is measured at the start and all 2048 steps.
-    Beyond D h = 0.3 friction that is held is taken at the speeds in the middle of the step that it brings about, two
-    unknowns of each roller, up to D h = 4: D of what is left counts, and where either is beyond the integration ends as
-    "failed". With two rates they are given up for one first, whose steps bear twice as much.
+    Extrapolated speeds damp as the method of Adams and Bashforth of order 2 does, stable for D h < 1. The rate D of the
+    strongest damping, the largest eigenvalue of the rates of speeds by speeds, is measured at the start and every 2048
+    steps. Beyond D h = 0.3, and up to D h = 4, held friction is taken at the speeds that it causes in the middle of the
+    step, two unknowns of each roller. Then D of the rest counts. Where either is beyond its limit the integration ends
+    as "failed". Two rates are given up for one before that, whose steps are stable with twice as much.
 Output
     Cubic in the places, by Hermite; quadratic in the rest, by the speeds at both ends and the rates in the middle of
     this step and the one before. Neither takes an evaluation.
 Source
     Leapfrog (Störmer and Verlet): Hairer E., Lubich C., Wanner G. Geometric numerical integration illustrated by the
-    Störmer-Verlet method. Acta Numerica 12, 2003, 399-450. That it keeps order 2 with extrapolated speeds follows from
-    v~ being off by h h_old a'/4 only; tests/kernels/test_leapfrog.py holds it.
+    Störmer-Verlet method. Acta Numerica 12, 2003, 399-450. It keeps order 2 with extrapolated speeds because v~ is off
+    by h h_old a'/4 only, which tests/kernels/test_leapfrog.py checks.
 """
 
 import numpy as np
@@ -71,23 +71,33 @@ cdef extern from *:
     rs_kick rs_kick_wider
 
 cdef enum:
-    LOOK = 2048       # steps between two looks at the damping
-    ITERATIONS = 16   # of the power method
-    LONGEST = 32      # steps that friction is held at most
-    FIRST = 2         # at the start
-    FLIGHT = 3        # steps that are worth a longer one
+    DAMPING_STEPS = 2048    # steps between two measurements of the damping
+    POWER_ITERATIONS = 16   # of the power method
+    MAX_HELD_STEPS = 32     # that friction is held
+    FIRST_HELD_STEPS = 2    # at the start
+    MIN_FLIGHT_STEPS = 3    # of free flight, from which a longer step saves time
 
-cdef double CONTACT = 0.2     # a step times the frequencies
-cdef double SWING = 0.8
-cdef double SWING_APART = 1.4   # the same where what touches is gone through apart
-cdef double CONTACT_APART = 0.1
-cdef double AHEAD = 1.7       # steps that must be clear from the middle of one to the end of the next
-cdef double MOST_DAMPED = 0.3   # a step times the rate of the strongest damping
-cdef double OF_EULER = 0.1
-cdef double USUAL = 1e-5      # tolerance at which the step is that of the frequencies
-cdef double GONE = 1e-3       # by which friction may be off where it is renewed, at that tolerance
-cdef double STEEPEST = 4.0    # a step times the rate at which friction damps a roller, if it is solved for
-cdef double BEFORE = 0.9      # of a flight, which later steps end
+# Step times angular frequency at usual tolerances: of contacts, and of permanent oscillations. Doubled, contacts have
+# 16 steps a period in place of 31, and an oscillation is near the limit of 2 where it gets unstable.
+cdef double CONTACT_STEP = 0.2
+cdef double OSCILLATION_STEP = 0.8
+# The same with two rates: of the whole step, and of the substeps of contacts.
+cdef double SEPARATE_OSCILLATION_STEP = 1.4
+cdef double CONTACT_SUBSTEP = 0.1
+# Steps in which no contact may close: from the middle of one to the end of the next, with a little more.
+cdef double FREE_STEPS = 1.7
+# Step times rate of the strongest damping up to which extrapolated speeds serve. The limit of stability is 1.
+cdef double MAX_DAMPED_STEP = 0.3
+# The same of a roller by friction that is solved for.
+cdef double MAX_FRICTION_STEP = 4.0
+# Fraction of the difference from Euler's method that stands for the error. Chosen: the error is of a higher order.
+cdef double EULER_FRACTION = 0.1
+# Relative tolerance at which the step is that of the frequencies.
+cdef double USUAL_TOLERANCE = 1e-5
+# Relative error of held friction where it is renewed, at that tolerance. Chosen.
+cdef double HELD_ERROR = 1e-3
+# Fraction of a free flight that one step takes; usual steps end it.
+cdef double FLIGHT_FRACTION = 0.9
 
 
 cdef class Leapfrog(Stepper):
@@ -101,20 +111,30 @@ cdef class Leapfrog(Stepper):
     Attributes
     ----------
     damping : float
-        The rate of the strongest damping [1/s] when it was looked at last; 0 where it is not.
+        The rate of the strongest damping [1/s] when it was measured last; 0 where it is not.
     renewals : int
         Evaluations of the friction that is held, but for that at the start.
-    told : dict
-        For how long it was held, and what that leaves.
+    diagnostics : dict
+        How long friction was held, and the errors that this leaves.
     """
 
-    cdef bint fixed, holds, implicit, clear
-    cdef double rule, united, whole, of_contact, lag, apart, allowed
-    cdef double known[2]
-    cdef double held_at, interval, held_for, gone, most_gone
+    cdef bint fixed, holds, implicit, is_free
+    cdef double step_size          # of the present method [s]
+    cdef double single_rate_step   # that resolves contacts and oscillations
+    cdef double two_rate_step      # that resolves oscillations alone, 0 without substeps
+    cdef double contact_substep
+    cdef double half_step_before
+    cdef double middle_distance    # of the middles of the last two steps
+    cdef double allowed_error      # of held friction
+    cdef double damping_and_error[2]   # by friction [1/s], and relative error of held friction
+    cdef double held_at            # time at which friction was evaluated
+    cdef double interval           # for which it is held
+    cdef double total_held         # sums over all renewals, and the largest error
+    cdef double total_error
+    cdef double largest_error
     cdef size_t count
     cdef readonly size_t renewals
-    cdef size_t parts   # of half a step, in which what touches is gone through; 0: with all else
+    cdef size_t substeps           # of contacts in half a step, 0 without
     cdef readonly double damping
     cdef double *y_held
     cdef object held_memory
@@ -129,49 +149,60 @@ cdef class Leapfrog(Stepper):
         super().__init__(capsule, t0, y0, t_bound, rtol, atol, max_step, first_step)
         self.held_memory = np.zeros(self.n)
         self.y_held = <double *><size_t>self.held_memory.ctypes.data
-        cdef double contact = self.c.contact_frequency, swing = self.c.swing_frequency, tolerance = 0.0
+        cdef double contact = self.c.contact_frequency
+        cdef double oscillation = self.c.swing_frequency
+        cdef double tolerance = 0.0
+        cdef double reduction
         cdef size_t i
         self.kick = rs_kick_baseline if active() == "baseline" else rs_kick_wider
         self.ones = np.ones(self.n)
         self.kicked = <double *><size_t>self.ones.ctypes.data
         if self.c.kicked != NULL:
             self.kicked = self.c.kicked
-        self.fixed = self.c.kicked != NULL and (contact > 0.0 or swing > 0.0)
+        self.fixed = self.c.kicked != NULL and (contact > 0.0 or oscillation > 0.0)
         self.power = 0.5
         if self.fixed:
             for i in range(self.n):
                 tolerance = fmax(tolerance, self.rtol[i])
-            self.rule = fmin(CONTACT / contact if contact > 0.0 else np.inf, SWING / swing if swing > 0.0 else np.inf)
-            self.rule = fmin(self.rule * fmin(1.0, sqrt(tolerance / USUAL)), self.max_step)
+            reduction = fmin(1.0, sqrt(tolerance / USUAL_TOLERANCE))
+            self.step_size = fmin(CONTACT_STEP / contact if contact > 0.0 else np.inf,
+                                  OSCILLATION_STEP / oscillation if oscillation > 0.0 else np.inf)
+            self.step_size = fmin(self.step_size * reduction, self.max_step)
             self.holds = self.c.renew != NULL and self.direction > 0.0
-            self.united = self.rule
-            if self.holds and self.c.go != NULL and contact > 0.0 and swing > 0.0:
-                self.of_contact = CONTACT_APART / contact * fmin(1.0, sqrt(tolerance / USUAL))
-                self.whole = fmin(SWING_APART / swing * fmin(1.0, sqrt(tolerance / USUAL)), self.max_step)
-                self._part()
-            self.allowed = GONE * fmin(1.0, tolerance / USUAL)
-            self.h, self.interval = self.rule, FIRST * self.rule
+            self.single_rate_step = self.step_size
+            if self.holds and self.c.go != NULL and contact > 0.0 and oscillation > 0.0:
+                self.contact_substep = CONTACT_SUBSTEP / contact * reduction
+                self.two_rate_step = fmin(SEPARATE_OSCILLATION_STEP / oscillation * reduction, self.max_step)
+                self._take_two_rates()
+            self.allowed_error = HELD_ERROR * fmin(1.0, tolerance / USUAL_TOLERANCE)
+            self.h = self.step_size
+            self.interval = FIRST_HELD_STEPS * self.step_size
 
     # State -----------------------------------------------------------------------------------------------------------
 
     def restart(self, double t, y: ArrayLike, double h=0.0) -> None:
         """Go on from another state, as if it were the start."""
         Stepper.restart(self, t, y, h)
-        self.lag, self.apart, self.count, self.damping, self.implicit = 0.0, 0.0, 0, 0.0, False
-        self.clear = False
-        self._part()
-        self.known[0] = self.known[1] = 0.0
-        self.held_at, self.interval = t, FIRST * self.rule
+        self.half_step_before = 0.0
+        self.middle_distance = 0.0
+        self.count = 0
+        self.damping = 0.0
+        self.implicit = False
+        self.is_free = False
+        self._take_two_rates()
+        self.damping_and_error[0] = self.damping_and_error[1] = 0.0
+        self.held_at = t
+        self.interval = FIRST_HELD_STEPS * self.step_size
         if self.fixed:
-            self.h = self.rule
+            self.h = self.step_size
 
     @property
     def state(self) -> Array:
         """All that the next steps depend on, as for the other methods, the rates of the step before, and where friction
         was evaluated that is held."""
-        known = [1.0 if self.evaluated else 0.0, self.lag, <double>self.count]
+        known = [1.0 if self.evaluated else 0.0, self.half_step_before, <double>self.count]
         rates = self._array(self.f) if self.evaluated else np.zeros(self.n)
-        flags = 1.0 if self.implicit else 0.0, 1.0 if self.clear else 0.0, <double>self.parts
+        flags = 1.0 if self.implicit else 0.0, 1.0 if self.is_free else 0.0, <double>self.substeps
         held = [self.held_at, self.interval, self.damping, *flags, *self._array(self.y_held)]
         return np.array([*Stepper.state.__get__(self), *known, *rates, *(held if self.holds else ())])
 
@@ -184,31 +215,36 @@ cdef class Leapfrog(Stepper):
         if values.shape != (size,) or not np.all(np.isfinite(values)):
             raise ValueError(f"a state of this system is {size} finite numbers, got {values.shape}")
         Stepper.state.__set__(self, values[:before])
-        self.evaluated, self.lag, self.count = values[before] != 0.0, values[before + 1], <size_t>values[before + 2]
+        self.evaluated = values[before] != 0.0
+        self.half_step_before = values[before + 1]
+        self.count = <size_t>values[before + 2]
         f = values[before + 3:before + 3 + self.n].copy()
         memcpy(self.f, &f[0], self.n * sizeof(double))
         if self.holds:
             held = values[before + 3 + self.n:].copy()
-            self.held_at, self.interval, self.damping = held[0], held[1], held[2]
+            self.held_at = held[0]
+            self.interval = held[1]
+            self.damping = held[2]
             if held[5] == 0.0:
-                self._unite()
-            self.implicit, self.clear = held[3] != 0.0, held[4] != 0.0
+                self._take_one_rate()
+            self.implicit = held[3] != 0.0
+            self.is_free = held[4] != 0.0
             memcpy(self.y_held, &held[6], self.n * sizeof(double))
 
     @property
-    def told(self) -> dict[str, float]:
-        """How long friction was held on average [s], and by what share of it it was off then, on average and at most.
-        """
+    def diagnostics(self) -> dict[str, float]:
+        """How long friction was held on average [s], and its relative error then, on average and at most."""
         if not self.renewals:
             return {}
-        return {"friction_held": self.held_for / self.renewals, "friction_off": self.gone / self.renewals,
-                "friction_most_off": self.most_gone}
+        return {"friction_held": self.total_held / self.renewals, "friction_off": self.total_error / self.renewals,
+                "friction_most_off": self.largest_error}
 
     cdef _why(self):
         if self.trouble == DAMPED:
-            borne = (STEEPEST if self.known[0] * self.rule > STEEPEST else MOST_DAMPED) / self.rule
-            return (f"leapfrog takes steps of {self.rule:.2g} s, and the motion is damped at {self.damping:.2g}/s at "
-                    f"t = {self.t:.9g}, more than the {borne:.2g}/s that they bear; rodas5p is made for it")
+            by_friction = self.damping_and_error[0] * self.step_size > MAX_FRICTION_STEP
+            borne = (MAX_FRICTION_STEP if by_friction else MAX_DAMPED_STEP) / self.step_size
+            return (f"leapfrog takes steps of {self.step_size:.2g} s, and the motion is damped at {self.damping:.2g}/s "
+                    f"at t = {self.t:.9g}, more than the {borne:.2g}/s that they bear; rodas5p is made for it")
         return Stepper._why(self)
 
     # A step ----------------------------------------------------------------------------------------------------------
@@ -218,20 +254,20 @@ cdef class Leapfrog(Stepper):
         cdef bint cut
         cdef int status
         if not self.evaluated:
-            self.lag = 0.0
+            self.half_step_before = 0.0
         if not self.fixed:
             status = Stepper._step(self, stop)
         else:
             if not self.evaluated:
-                status = self._begin()
+                status = self._start()
                 if status != 0:
                     return status
                 self.evaluated = True
-            if self.count % LOOK == 0:
-                status = self._look()
+            if self.count % DAMPING_STEPS == 0:
+                status = self._check_damping()
                 if status != 0:
                     return status
-            h = self._size()
+            h = self._step_size()
             cut = h * (1.0 + 1e-6) >= fabs(stop - self.t)
             h = fabs(stop - self.t) if cut else h
             t_new = stop if cut else self.t + self.direction * h
@@ -242,61 +278,69 @@ cdef class Leapfrog(Stepper):
             self.f, self.f_new = self.f_new, self.f
             self.y_old, self.y_now = self.y_now, self.y_old
             memcpy(self.y_now, self.y_new, self.n * sizeof(double))
-            self.t_old, self.taken, self.t = self.t, self.direction * h, t_new
+            self.t_old = self.t
+            self.taken = self.direction * h
+            self.t = t_new
             self.dense = False
             self.steps += 1
         if status == 0:
-            self.apart = 0.5 * fabs(self.taken) + self.lag
-            self.lag = 0.5 * fabs(self.taken)
+            self.middle_distance = 0.5 * fabs(self.taken) + self.half_step_before
+            self.half_step_before = 0.5 * fabs(self.taken)
         return status
 
-    cdef void _part(self) noexcept nogil:
-        """Take the steps of what swings, if they are longer, and in their halves what touches in parts."""
-        if self.whole > self.united:
-            self.parts, self.rule = <size_t>ceil(0.5 * self.whole / self.of_contact), self.whole
+    cdef void _take_two_rates(self) noexcept nogil:
+        """Take the steps of permanent oscillations, if they are longer, and substeps of contacts in their halves."""
+        if self.two_rate_step > self.single_rate_step:
+            self.substeps = <size_t>ceil(0.5 * self.two_rate_step / self.contact_substep)
+            self.step_size = self.two_rate_step
 
-    cdef void _unite(self) noexcept nogil:
-        """Take all that moves fast in the same steps."""
-        self.parts, self.rule, self.clear = 0, self.united, False
+    cdef void _take_one_rate(self) noexcept nogil:
+        """Take contacts and oscillations in the same steps."""
+        self.substeps = 0
+        self.step_size = self.single_rate_step
+        self.is_free = False
 
     cdef int _enter(self) noexcept nogil:
-        """Have the system hold what it held, whoever has used it since."""
+        """Have the system hold the friction of this integration, whoever has used it since."""
         if self.holds and self.evaluated:
-            return self.c.renew(self.held_at, self.y_held, False, self.known, self.c.state)
+            return self.c.renew(self.held_at, self.y_held, False, self.damping_and_error, self.c.state)
         return 0
 
-    cdef int _begin(self) noexcept nogil:
+    cdef int _start(self) noexcept nogil:
         """The rates at a start, and friction held there."""
         cdef int status
         if not self.holds:
             return self._rates(self.t, self.y_now, self.f)
-        status = self.c.renew(self.t, self.y_now, False, self.known, self.c.state)
-        self.held_at, self.interval, self.implicit = self.t, FIRST * self.rule, self._steep()
+        status = self.c.renew(self.t, self.y_now, False, self.damping_and_error, self.c.state)
+        self.held_at = self.t
+        self.interval = FIRST_HELD_STEPS * self.step_size
+        self.implicit = self._is_stiff()
         memcpy(self.y_held, self.y_now, self.n * sizeof(double))
         self.evaluations += 1
-        return status if status != 0 else self._ask(self.t, self.y_now, 0.0, self.f)
+        return status if status != 0 else self._rates_by_held_friction(self.t, self.y_now, 0.0, self.f)
 
-    cdef double _size(self) noexcept nogil:
-        """The fixed step; while nothing touches or swings, up to where something does or friction is to be renewed.
+    cdef double _step_size(self) noexcept nogil:
+        """The fixed step; in free flight, up to where a contact closes or friction is to be renewed.
 
-        Nothing touched a step ago either, since the speeds are extrapolated by the rates of that.
+        It was a free flight a step ago too, since the speeds are extrapolated by the rates of that step.
         """
         cdef double longest
-        cdef bint clear = self.clear
+        cdef bint is_free = self.is_free
         if self.c.flight == NULL or not self.holds or self.c.swing_frequency > 0.0:
-            return self.rule
+            return self.step_size
         longest = fmin(self.interval, self.max_step)
-        if fmax(self.damping, self.known[0]) > 0.0:
-            longest = fmin(longest, MOST_DAMPED / fmax(self.damping, self.known[0]))
-        if longest < FLIGHT * self.rule:
-            return self.rule
-        longest = BEFORE * self.c.flight(self.t, self.y_now, self.f, longest / BEFORE, self.c.speeds_state)
-        self.clear = longest > 0.0
-        return longest if clear and longest >= FLIGHT * self.rule else self.rule
+        if fmax(self.damping, self.damping_and_error[0]) > 0.0:
+            longest = fmin(longest, MAX_DAMPED_STEP / fmax(self.damping, self.damping_and_error[0]))
+        if longest < MIN_FLIGHT_STEPS * self.step_size:
+            return self.step_size
+        longest /= FLIGHT_FRACTION
+        longest = FLIGHT_FRACTION * self.c.flight(self.t, self.y_now, self.f, longest, self.c.speeds_state)
+        self.is_free = longest > 0.0
+        return longest if is_free and longest >= MIN_FLIGHT_STEPS * self.step_size else self.step_size
 
-    cdef bint _steep(self) noexcept nogil:
+    cdef bint _is_stiff(self) noexcept nogil:
         """Whether friction damps speeds so fast that it has to be solved for."""
-        return self.known[0] * self.rule > MOST_DAMPED
+        return self.damping_and_error[0] * self.step_size > MAX_DAMPED_STEP
 
     cdef int _held_rates(self, double t, const double *y, double half, double *rates) noexcept nogil:
         """Rates at a time and a state in the middle of a step, friction renewed where it is due."""
@@ -307,30 +351,31 @@ cdef class Leapfrog(Stepper):
         if t >= self.held_at + self.interval:
             if self.implicit:   # at the speeds before the step: extrapolated ones may lie on the other side of a bend
                 at = self.y_new
-            status = self.c.renew(t, at, True, self.known, self.c.state)
+            status = self.c.renew(t, at, True, self.damping_and_error, self.c.state)
             if status != 0:
                 return status
-            if self.parts and self.known[0] * self.rule > STEEPEST:
-                self._unite()
-            if self.known[0] * self.rule > STEEPEST:
-                self.damping = self.known[0]
+            if self.substeps and self.damping_and_error[0] * self.step_size > MAX_FRICTION_STEP:
+                self._take_one_rate()
+            if self.damping_and_error[0] * self.step_size > MAX_FRICTION_STEP:
+                self.damping = self.damping_and_error[0]
                 return DAMPED
-            self.implicit, off = self._steep(), self.known[1]
-            factor = 0.9 * sqrt(self.allowed / fmax(off, 1e-300))
-            self.interval = fmin(self.interval * fmin(fmax(factor, 0.03), 2.0), LONGEST * self.united)
-            self.interval = fmax(self.interval, self.rule)
+            self.implicit = self._is_stiff()
+            off = self.damping_and_error[1]
+            factor = 0.9 * sqrt(self.allowed_error / fmax(off, 1e-300))
+            self.interval = fmin(self.interval * fmin(fmax(factor, 0.03), 2.0), MAX_HELD_STEPS * self.single_rate_step)
+            self.interval = fmax(self.interval, self.step_size)
             self.renewals += 1
-            self.held_for += t - self.held_at
-            self.gone += off
-            self.most_gone = fmax(self.most_gone, off)
+            self.total_held += t - self.held_at
+            self.total_error += off
+            self.largest_error = fmax(self.largest_error, off)
             self.held_at = t
             memcpy(self.y_held, at, self.n * sizeof(double))
-        return self._ask(t, y, half if self.implicit else 0.0, rates)
+        return self._rates_by_held_friction(t, y, half if self.implicit else 0.0, rates)
 
-    cdef int _ask(self, double t, const double *y, double half, double *rates) noexcept nogil:
-        """Rates by friction that is held, without what touches where that goes in steps of its own."""
+    cdef int _rates_by_held_friction(self, double t, const double *y, double half, double *rates) noexcept nogil:
+        """Rates by held friction, without contacts where these take substeps."""
         cdef int status
-        if self.parts == 0:
+        if self.substeps == 0:
             return self.c.held(t, y, half, self.f, rates, self.c.state)
         self.c.apart[0] = 1
         status = self.c.held(t, y, half, self.f, rates, self.c.state)
@@ -340,19 +385,19 @@ cdef class Leapfrog(Stepper):
     cdef int _drift(self, double h, double *y) noexcept nogil:
         return self.c.drift(h, y, self.c.speeds_state) if self.c.drift != NULL else 0
 
-    cdef int _go(self, double t, double h, double *y, bint clear) noexcept nogil:
-        """Places after half a step from t on, and speeds by what touches, gone through in parts unless nothing does."""
-        return self._drift(h, y) if self.parts == 0 or clear else self.c.go(t, h, self.parts, y, self.c.state)
+    cdef int _half_step(self, double t, double h, double *y, bint is_free) noexcept nogil:
+        """Advance places by half a step from t on, and speeds by contacts, in substeps unless none is closed."""
+        return self._drift(h, y) if self.substeps == 0 or is_free else self.c.go(t, h, self.substeps, y, self.c.state)
 
     cdef int _stages(self, double h, double t_new) noexcept nogil:
         """``y_new`` after a step of h, with its sign, the rates in its middle, and the difference from Euler's."""
         cdef double *error = self.k + (STAGES - 1) * self.n
         cdef double half = 0.5 * h
-        cdef bint clear = self.clear
+        cdef bint is_free = self.is_free
         cdef size_t i
         cdef int status
         memcpy(self.y_new, self.y_now, self.n * sizeof(double))
-        status = self._go(self.t, half, self.y_new, clear)
+        status = self._half_step(self.t, half, self.y_new, is_free)
         if status != 0:
             return status
         self.kick(self.n, self.y_new, half, self.kicked, self.f, self.u)
@@ -364,14 +409,14 @@ cdef class Leapfrog(Stepper):
             status = self._rates(self.t + half, self.u, self.f_new)
         if status != 0:
             return status
-        if self.parts:
-            self.clear = self.c.clear(AHEAD * self.rule, self.c.speeds_state)
+        if self.substeps:
+            self.is_free = self.c.clear(FREE_STEPS * self.step_size, self.c.speeds_state)
         self.kick(self.n, self.y_new, h, self.kicked, self.f_new, self.y_new)
-        status = self._go(self.t + half, half, self.y_new, clear and self.clear)
+        status = self._half_step(self.t + half, half, self.y_new, is_free and self.is_free)
         if status == 0 and not rs_finite(self.y_new, self.n):
             status = RS_NOT_FINITE
         if not self.fixed:
-            half = OF_EULER * 0.5 * h * h / (0.5 * fabs(h) + self.lag)
+            half = EULER_FRACTION * 0.5 * h * h / (0.5 * fabs(h) + self.half_step_before)
             for i in range(self.n):
                 error[i] = half * self.kicked[i] * (self.f_new[i] - self.f[i])
         return status
@@ -382,25 +427,24 @@ cdef class Leapfrog(Stepper):
 
     # Damping ---------------------------------------------------------------------------------------------------------
 
-    cdef int _look(self) noexcept nogil:
-        """Measure the strongest damping; where it is too strong, friction is solved for, and DAMPED if that is not all.
-        """
+    cdef int _check_damping(self) noexcept nogil:
+        """Measure the strongest damping; where it is too strong, solve for friction, else return DAMPED."""
         cdef double all
-        cdef int status = self._measure()
-        if status != 0 or self.damping * self.rule <= MOST_DAMPED or not self.holds:
-            return status if status != 0 or self.damping * self.rule <= MOST_DAMPED else DAMPED
+        cdef int status = self._measure_damping()
+        if status != 0 or self.damping * self.step_size <= MAX_DAMPED_STEP or not self.holds:
+            return status if status != 0 or self.damping * self.step_size <= MAX_DAMPED_STEP else DAMPED
         all = self.damping
         self.c.still[0] = 1
-        status = self._measure()
+        status = self._measure_damping()
         self.c.still[0] = 0
-        if self.parts and self.damping * self.rule > MOST_DAMPED:
-            self._unite()
-        if status != 0 or self.damping * self.rule > MOST_DAMPED:
+        if self.substeps and self.damping * self.step_size > MAX_DAMPED_STEP:
+            self._take_one_rate()
+        if status != 0 or self.damping * self.step_size > MAX_DAMPED_STEP:
             return status if status != 0 else DAMPED
         self.damping = all
         return 0
 
-    cdef int _measure(self) noexcept nogil:
+    cdef int _measure_damping(self) noexcept nogil:
         """Measure the strongest damping."""
         cdef double *x = self.k
         cdef double *y = self.k + self.n
@@ -420,7 +464,7 @@ cdef class Leapfrog(Stepper):
         for i in range(self.n):   # no mode is left out but by chance
             x[i] = self.kicked[i] * self.c.scale[i] * (1.0 + 0.1 * <double>(i % 7))
         self._scale(x)
-        for _ in range(ITERATIONS):
+        for _ in range(POWER_ITERATIONS):
             self._by_speeds(x, y)
             self.damping = self._scale(y)
             x, y = y, x
@@ -438,8 +482,12 @@ cdef class Leapfrog(Stepper):
         return most
 
     cdef void _by_speeds(self, const double *x, double *y) noexcept nogil:
-        """What speeds x of head and rollers do to the rates y of speeds."""
-        cdef size_t H = self.c.head, B = self.c.block, Z = self.c.rollers, W = rs_row(self.c), j, i, b
+        """Rates y of speeds due to speeds x of head and rollers: the Jacobian times x, of speeds alone."""
+        cdef size_t H = self.c.head
+        cdef size_t B = self.c.block
+        cdef size_t Z = self.c.rollers
+        cdef size_t W = rs_row(self.c)
+        cdef size_t j, i, b
         cdef const double *own
         cdef double *to
         memset(y, 0, self.n * sizeof(double))
@@ -447,7 +495,8 @@ cdef class Leapfrog(Stepper):
             for b in range(H):
                 y[i] += self.arrow.head_head[i * H + b] * x[b]
         for j in range(Z):
-            own, to = x + H + j * B, y + H + j * B
+            own = x + H + j * B
+            to = y + H + j * B
             for i in range(H):
                 for b in range(B):
                     y[i] += self.arrow.head_roller[(j * W + i) * B + b] * own[b]
@@ -478,12 +527,15 @@ cdef class Leapfrog(Stepper):
         return Stepper._find_event(self, hit)
 
     cdef void _make_dense(self) noexcept nogil:
-        cdef size_t n = self.n, i
+        cdef size_t n = self.n
+        cdef size_t i
         cdef double *k1 = self.dense_k
         cdef double *k2 = k1 + n
         cdef double *at_old = self.k
         cdef double *at_new = self.k + n
-        cdef double h = self.taken, w, bend = -0.5 * h * h * self.direction / self.apart
+        cdef double h = self.taken
+        cdef double bend = -0.5 * h * h * self.direction / self.middle_distance
+        cdef double w
         if self.dense:
             return
         memset(k1, 0, 3 * n * sizeof(double))

@@ -412,7 +412,7 @@ class _Run:
                     [solver.steps, solver.rejected, solver.evaluations, solver.jacobians]
                 )
                 self.state = solver.state
-                self.diagnostics = getattr(solver, "told", {})
+                self.diagnostics = getattr(solver, "diagnostics", {})
                 signs = self.state[_FIRST_SIGN : _FIRST_SIGN + self.signs.size]
                 changes = self._find_sign_changes(signs)
                 self.events += [Event(self.t, k, rising) for k, rising in changes]
