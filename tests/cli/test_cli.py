@@ -19,6 +19,7 @@ from pybtex.database import parse_string
 
 import rollslip
 import warm
+from rollslip.catalogue.registry import available
 from rollslip.cli.main import cli
 from rollslip.results.dataset import VOLATILE
 from rollslip.results.text import LOWER_BOUNDS
@@ -585,3 +586,6 @@ def test_help_lists_every_command_once_in_a_group_with_an_example_and_whole_sent
     groups = re.findall(r"^([A-Z][\w ,]+):\n  \$ rollslip (\w+)", text, re.MULTILINE)
     assert len(groups) == 5
     assert all(command in names for _, command in groups)
+    of_others = re.findall(r"^  ([a-z]+)  ", text.partition("Of other packages")[2], re.MULTILINE)
+    own = {offer.name for offer in available("campaign").values() if offer.package == "rollslip"}
+    assert own.isdisjoint(of_others)

@@ -34,12 +34,12 @@ __all__ = ["cli", "main"]
 
 #: Groups of commands in the help: title, an example, names.
 _GROUPS: Final = (
-    ("Will it skid", "rollslip run gearbox", ("new", "run", "info", "plan")),
+    ("Will it skid", "rollslip run gearbox", ("new", "run", "cases", "info", "plan")),
     ("What is better, and how far it may go", "rollslip compare gearbox --oil iso-vg-68,iso-vg-220",
      ("compare", "limit", "uncertainty", "sweep", "explore", "pareto")),
     ("Measurements", "rollslip validate published-slip", ("validate", "fit", "rank")),
     ("What stands behind it", "rollslip explain W11", ("explain", "models", "schema", "cite", "plugins", "doctor")),
-    ("Files", "rollslip report results/*.nc", ("report", "export")),
+    ("Files", "rollslip report results/*.nc", ("report", "export", "surrogate")),
 )  # fmt: skip
 _GROUPED: Final = [names for *_, names in _GROUPS]
 
