@@ -34,7 +34,7 @@ STUDIES = {
 COMMANDS = {
     "info gearbox": r"Lambda [\d.]+, kappa [\d.]+, \d+ MPa$",
     "info": r"rollslip \S+, Python ",
-    "plan gearbox": r"[\d.]+ to \d+ \w+ for effective-friction and steady-slip$",
+    "plan gearbox": r"[\d.]+ to \d+ \w+ for effective-friction and steady-slip(, longer if .*)?$",
     "doctor": r"(healthy|\d+ (fault|warning)s?\b.*): rollslip ",
     "models": r"\d+ models and data sets of \d+ kinds$",
     "explain W11": r"W11  valid for pressure exponent",

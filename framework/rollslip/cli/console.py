@@ -84,25 +84,25 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 def print_short_plan(plan: "Plan") -> None:
     """Print the plan in a few lines: its time, resolution and errors of each study, what is left out, and cautions."""
-    from rollslip.planning.lines import describe_resolution
-    from rollslip.results.text import duration_range
+    from rollslip.planning.lines import describe_resolution, format_time
+    from rollslip.results.text import duration_range, percent
 
-    click.echo(f"{duration_range(plan.seconds)} for {' and '.join(plan.studies)}")
+    purpose = f" for {' and '.join(plan.studies)}"
+    click.echo(format_time(plan.seconds, plan.studies.values(), plan.assembly, purpose))
     for study in plan.studies:
         errors = combine_errors((part.errors for part in plan.parts if part.study == study), sum)
-        known = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
-        unknown = [
-            name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)
+        named = {name.replace("_", " "): error for name, error in errors.items()}
+        known = [
+            f"{percent(error)} in {name}" for name, error in named.items() if math.isfinite(error)
         ]
+        unknown = [name for name, error in named.items() if not math.isfinite(error)]
         text = describe_resolution(plan.choices[study].resolution)
         if known:
-            text += f"; relative errors of about {known}"
+            text += f"; errors of about {', '.join(known)}"
         if unknown:
             text += f"; that of {' and '.join(unknown)} cannot be determined"
         if len(plan.studies) > 1:
             text += f"; {duration_range(plan.seconds_of(study))}"
-        if plan.studies[study].may_run_again(plan.assembly):
-            text += ", longer if the check of its result asks for more"
         click.echo(f"  {study}: {text}")
     if left_out := dict.fromkeys(part.part for part in plan.parts if not part.included):
         click.echo(f"  left out: {', '.join(left_out)}")

@@ -112,7 +112,9 @@ def study_parts(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     return parts
 
 
-def format_time(seconds: float, studies: Iterable[Study], assembly: Assembly) -> str:
+def format_time(
+    seconds: float, studies: Iterable[Study], assembly: Assembly, purpose: str = ""
+) -> str:
     """Return the time of studies as text, with a note where one of them may run again.
 
     Parameters
@@ -123,8 +125,10 @@ def format_time(seconds: float, studies: Iterable[Study], assembly: Assembly) ->
         The studies.
     assembly : Assembly
         The bearing as the scene states it.
+    purpose : str, optional
+        What the time is for, which follows it.
     """
-    text = duration_range(seconds)
+    text = duration_range(seconds) + purpose
     if any(study.may_run_again(assembly) for study in studies):
         text += ", longer if the check of a result asks for more"
     return text
