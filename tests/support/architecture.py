@@ -30,7 +30,7 @@ MAX_CODE_LINES = 600
 #: their place, contacts of a rig. None of them knows of it.
 CAMPAIGNS = {
     ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
-    ("pareto", "sweep"), ("surrogate", "sweep"), ("cases", "sweep"),
+    ("pareto", "sweep"), ("surrogate", "sweep"), ("cases", "sweep"), ("window", "sweep"),
     ("validation", "comparison"), ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
 #: Modules of studies that other studies and campaigns may import.
@@ -40,7 +40,7 @@ SHARED = {
     "rollslip_studies.effective_friction.raceways", "rollslip_studies.effective_friction.study",
     "rollslip_studies.effective_friction.ring_figures",
     "rollslip_studies.friction_curve.study", "rollslip_studies.raceway_friction.film_figures",
-    "rollslip_studies.raceway_friction.study",
+    "rollslip_studies.raceway_friction.study", "rollslip_studies.rating_life.study",
     "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.evaluated",
     "rollslip_studies.steady_slip.band", "rollslip_studies.steady_slip.minimum_load",
     "rollslip_studies.steady_slip.findings", "rollslip_studies.steady_slip.figures",

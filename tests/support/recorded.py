@@ -66,6 +66,7 @@ RESULTS = {
     '--set study.dynamics.history.inner_speed={shape="run-up",from="3000rpm",within="20ms"}',
     "sweep": f"sweep run turbine --study steady-slip --over operation.radial_load=0.5kN:2kN:3 {COARSE}",
     "cases": f"cases gearbox {EXAMPLES / 'duty.csv'} {COARSE}",
+    "window": f"window gearbox --over operation.inner_speed=500rpm:2500rpm:2 {COARSE}",
     "comparison": f"compare {SCENE} --traction muraki,maxwell-eyring {COARSE}",
     "alternatives": f"compare gearbox --oil iso-vg-68,iso-vg-220 {COARSE}",
     "pareto": f"pareto {SCENE} --study friction-curve --choices slices --rounds 1 --no-plots",

@@ -30,19 +30,18 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.errors import RollslipError, SceneError
+from rollslip.errors import RollslipError
 from rollslip.planning.execution import compute
 from rollslip.planning.plan import estimate, plan
 from rollslip.results.dataset import about, save, xr
 from rollslip.results.text import duration_range
-from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
+from rollslip.scene.changes import evolve
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable, raise_problem_if
 from rollslip.studies.bounds import exceeding
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
-from rollslip.toml import as_list
-from rollslip.units import UnitError, format_quantity
+from rollslip.units import format_quantity
 from rollslip_campaigns.limit import LimitSettings
 from rollslip_campaigns.limit.search import (
     Requirement,
@@ -59,10 +58,11 @@ from rollslip_campaigns.sweep.point import row_values
 from rollslip_campaigns.sweep.run import Progress, requested_engine
 from rollslip_campaigns.sweep.sampling import (
     Axis,
+    continuous_quantity,
     read_axis,
     read_fraction,
     read_overs,
-    read_span,
+    read_range,
 )
 from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, study_with_outputs
 from rollslip_studies.variation.quantities import quantities
@@ -170,14 +170,9 @@ def plan_limit(requested: "LimitSettings") -> Limit:
     )
     ((requested_key, text),) = over.items()
     base, assembly = assemble_varied(base, over)
-    quantity = _searched_quantity(quantities(assembly, settings(base, name)), requested_key)
+    quantity = continuous_quantity(quantities(assembly, settings(base, name)), requested_key)
     key = quantity.key
-    if not isinstance(text, str):  # a text may be marked as typed, which str() would lose
-        text = ",".join(map(str, as_list(text)))
-    try:
-        ends, count, logarithmic = read_span(quantity, text, _DEFAULT_COUNT, range(3, 1000))
-    except (RollslipError, UnitError) as error:
-        raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
+    ends, count, logarithmic = read_range(quantity, text, _DEFAULT_COUNT, range(3, 1000))
     span = ":".join(ends)
     suffix = ":log" if logarithmic else ""
     coarse = plan_sweep(
@@ -225,20 +220,6 @@ def plan_limit(requested: "LimitSettings") -> Limit:
         point_seconds=seconds,
         errors=errors,
     )
-
-
-def _searched_quantity(known: dict[str, Quantity], key: str) -> Quantity:
-    """The quantity of a key; SceneError if there is none, or if its values are not continuous."""
-    if key not in known:
-        raise SceneError([f"{key}: {describe_unknown_key(key, known)}"])
-    quantity = known[key]
-    if quantity.unit is None:
-        raise SceneError(
-            [
-                f"{quantity.key}: is not a quantity with continuous values; sweep it with rollslip sweep run"
-            ]
-        )
-    return quantity
 
 
 def _resolution(

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError, refuse_if
-from rollslip.scene.changes import Quantity, parse_set
+from rollslip.scene.changes import Quantity, describe_unknown_key, parse_set
 from rollslip.search import Array
 from rollslip.structure import raise_problem_if
 from rollslip.toml import as_list, thawed
@@ -49,6 +49,7 @@ __all__ = [
     "SAMPLINGS",
     "Axis",
     "Design",
+    "continuous_quantity",
     "farthest_points",
     "label",
     "parse_over",
@@ -59,7 +60,7 @@ __all__ = [
     "read_axis",
     "read_fraction",
     "read_overs",
-    "read_span",
+    "read_range",
 ]
 
 #: Names of the sampling methods.
@@ -350,6 +351,28 @@ def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
     return (low, high), count, logarithmic
 
 
+def continuous_quantity(known: Mapping[str, Quantity], key: str) -> Quantity:
+    """Return the quantity of a key; SceneError if there is none, or if its values are not continuous.
+
+    Parameters
+    ----------
+    known : mapping of str to Quantity
+        Quantities of the scene by key.
+    key : str
+        The key.
+    """
+    if key not in known:
+        raise SceneError([f"{key}: {describe_unknown_key(key, dict(known))}"])
+    quantity = known[key]
+    if quantity.unit is None:
+        raise SceneError(
+            [
+                f"{quantity.key}: is not a quantity with continuous values; sweep it with rollslip sweep run"
+            ]
+        )
+    return quantity
+
+
 def read_span(
     quantity: Quantity, text: str, default: int, allowed: range
 ) -> tuple[tuple[str, str], int, bool]:
@@ -383,6 +406,31 @@ def read_span(
     low, high = evenly(*ends, 2, str(quantity.unit))
     wide = low > 0.0 and high > _LOGARITHMIC_RATIO * low and quantity.unit != "K"
     return ends, int(count or default), logarithmic or wide
+
+
+def read_range(
+    quantity: Quantity, given: object, default: int, allowed: range
+) -> tuple[tuple[str, str], int, bool]:
+    """Return what `read_span` returns, of a range as a text or a list; SceneError if it is none.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        The quantity that is varied.
+    given : object
+        The range, "LOW:HIGH" or "LOW:HIGH:COUNT", with units.
+    default : int
+        Number of values without a count.
+    allowed : range
+        Numbers of values that are accepted.
+    """
+    text = given
+    if not isinstance(text, str):  # a text may be marked as typed, which str() would lose
+        text = ",".join(map(str, as_list(given)))
+    try:
+        return read_span(quantity, text, default, allowed)
+    except (RollslipError, UnitError) as error:
+        raise SceneError([f"{quantity.key}: {getattr(error, 'reason', error)}"]) from error
 
 
 @attrs.frozen(eq=False)

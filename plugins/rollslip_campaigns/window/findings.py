@@ -1,0 +1,124 @@
+"""Report a window of loads as sentences, tables and plain values, from its dataset alone."""
+
+from typing import Any, Final
+
+import numpy as np
+
+from rollslip.results.account import Account, SpreadsheetRows, Table
+from rollslip.results.answer import Answer
+from rollslip.results.curves import or_none
+from rollslip.results.dataset import rows_along, xr
+from rollslip.results.table import point_rows
+from rollslip.results.text import percent, short_label
+from rollslip.units import format_quantity
+from rollslip_campaigns.sweep.findings import answer_table, point_table
+
+__all__ = ["WindowAccount", "describe_window"]
+
+#: Points in an answer. Chosen: with notes and next step they fill 15 lines.
+_SHOWN: Final = 5
+#: Variables of the table, in the order of its columns.
+_COLUMNS: Final = ("varied", "minimum_load", "largest_load", "limited_by", "status")
+
+
+class WindowAccount(Account):
+    """Report of the campaign ``window``."""
+
+    figures_function = ".figures:window_figures"
+
+    @staticmethod
+    def answer(dataset: "xr.Dataset") -> Answer:
+        """Return where the load of the scene lies in its window, and the window at each value."""
+        attrs = dataset.attrs
+        failed = [point["message"] for point in rows_along(dataset, "point") if point["message"]]
+        chosen = np.linspace(0, dataset.sizes["point"] - 1, min(_SHOWN, dataset.sizes["point"]))
+        return Answer(
+            summary=describe_window(dataset),
+            faults=tuple(dict.fromkeys(failed)),
+            assumed=(
+                f"slip up to {percent(attrs['acceptable_slip'])}; rating life of {attrs['hours']:,.10g} h without "
+                f"modification; C0 over {attrs['static_safety']:g}",
+            ),
+            next=(
+                f"rollslip run {attrs['source']}",
+                f"rollslip run {attrs['source']} --study {attrs['life_study']}",
+            ),
+            **answer_table(
+                WindowAccount("window").tables(dataset), sorted({*chosen.astype(int).tolist()})
+            ),
+        )
+
+    @staticmethod
+    def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Return sentences by topic: the window, and what is not known."""
+        missing = [
+            f"no {name} at {_at(dataset, k)}: {text}"
+            for name in ("minimum_load", "largest_load")
+            for k, text in enumerate(dataset[f"{name}_status"].to_numpy().astype(str))
+            if not np.isfinite(dataset[name][k])
+        ]
+        topics = {"window": [describe_window(dataset)], "not known": missing}
+        return {name: lines for name, lines in topics.items() if lines}
+
+    @staticmethod
+    def record(dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the results as plain values, in SI units; None (null in JSON) where there is no value."""
+        return {
+            "key": dataset["varied"].attrs["key"],
+            "found": describe_window(dataset),
+            "radial_load": float(dataset["radial_load"]),
+            "points": [
+                {name: or_none(point[name]) for name in ("varied", "minimum_load", "largest_load")}
+                | {"limited_by": point["limited_by"], "status": point["status"]}
+                for point in rows_along(dataset, "point")
+            ],
+        }
+
+    def sheets(self, dataset: "xr.Dataset") -> dict[str, SpreadsheetRows]:
+        """Return a row for each value: both loads, what limits the larger one, and their statuses."""
+        others = [name for name in dataset.data_vars if name not in _COLUMNS]
+        return {"": point_rows(dataset[[*_COLUMNS, *others]])}
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return a table with a row for each value, or none if it would be too long."""
+        return point_table(point_rows(dataset[[*_COLUMNS]]), [dataset["varied"].attrs["key"]])
+
+
+def describe_window(dataset: "xr.Dataset") -> str:
+    """Return in words whether the load of the scene is in its window, or the window at both ends of the range."""
+    own = int(dataset["own_point"])
+    if own < 0:
+        return "; ".join(
+            f"at {_at(dataset, k)} {_window(dataset, k)}" for k in (0, dataset.sizes["point"] - 1)
+        )
+    load = float(dataset["radial_load"])
+    low = float(dataset["minimum_load"][own])
+    high = float(dataset["largest_load"][own])
+    place = "inside the window"
+    if load < low:
+        place = "below the window"
+    elif load > high:
+        place = "above the window"
+    elif not (np.isfinite(low) and np.isfinite(high)):
+        place = "in a window that is not known"
+    return f"{format_quantity(load, 'N', 2)} is {place} at {_at(dataset, own)}: {_window(dataset, own)}"
+
+
+def _at(dataset: "xr.Dataset", k: int) -> str:
+    """Return the varied quantity and its value at a point in words."""
+    varied = dataset["varied"]
+    value = format_quantity(float(varied[k]), str(varied.attrs["units"]), 4)
+    return f"{short_label(str(varied.attrs['key']))} {value}"
+
+
+def _window(dataset: "xr.Dataset", k: int) -> str:
+    """Return both loads at a point in words."""
+    loads = [float(dataset[name][k]) for name in ("minimum_load", "largest_load")]
+    low, high = (
+        format_quantity(load, "N", 2) if np.isfinite(load) else "unknown" for load in loads
+    )
+    limit = str(dataset["limited_by"][k].item())
+    return f"{low} to {high}" + (f" by {limit}" if limit else "")
+
+
+ACCOUNT: Final = WindowAccount("window")

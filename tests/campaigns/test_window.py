@@ -1,0 +1,149 @@
+"""Windows of loads: both limits are those of single runs, and each does what it is named for."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import rollslip
+from rollslip import evolve, load_scene
+from rollslip.cli.main import cli
+from rollslip.errors import SceneError
+from rollslip.results.accounts import account_of, answer
+from rollslip.results.table import sheet
+from rollslip_campaigns.window.figures import draw_window, window_figures
+from rollslip_campaigns.window.findings import describe_window
+
+#: Few slices, and rollers set in the cage: quick, and both limits with all that belongs to them.
+SCENE = evolve(
+    load_scene("gearbox"),
+    {
+        "accuracy.slices": 5,
+        "accuracy.tolerance": 0.05,
+        "study.steady-slip.pockets": "set",
+    },
+)
+#: Life asked for [h]: of the size that makers tabulate.
+HOURS = 10_000.0
+#: Speeds besides that of the scene, 1500 rpm.
+OVER = "operation.inner_speed=1000rpm:2000rpm:2"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return rollslip.window(SCENE, OVER, hours=HOURS, engine="serial")
+
+
+def test_the_scene_is_among_the_points(found):
+    speeds = np.array([1000.0, 1500.0, 2000.0]) * np.pi / 30.0
+    np.testing.assert_allclose(found["varied"], speeds, rtol=1e-12)
+    assert found["own_point"] == 1
+    assert float(found["radial_load"]) == SCENE.operation.radial_load
+
+
+def test_below_the_minimum_load_the_cage_slips_more_than_allowed(found):
+    least = float(found["minimum_load"][1])
+    slips = [
+        float(
+            rollslip.run(
+                evolve(SCENE, {"operation.radial_load": factor * least}, si=True), "steady-slip"
+            )["steady_slip"][0]
+        )
+        for factor in (0.97, 1.03)
+    ]
+    assert slips[0] > found.attrs["acceptable_slip"] > slips[1]
+
+
+def test_at_the_largest_load_the_bearing_has_the_hours(found):
+    at_limit = evolve(SCENE, {"operation.radial_load": float(found["largest_load"][1])}, si=True)
+    lives = rollslip.run(at_limit, "rating-life")
+    limiting = lives["life_time"].sel(life_model=str(found["limited_by"][1].item()))
+    assert float(limiting) == pytest.approx(3600.0 * HOURS, rel=1e-5)
+    assert float(lives["life_time"].min()) == float(limiting)
+
+
+def test_a_short_life_leaves_the_static_rating():
+    found = rollslip.window(SCENE, OVER, hours=1e-3, static_safety=2.0, engine="serial")
+    np.testing.assert_allclose(found["largest_load"], SCENE.bearing.static_rating / 2.0)
+    assert set(found["limited_by"].values.tolist()) == {"static rating"}
+
+
+@pytest.mark.parametrize(
+    ("load", "place"), [(1.0, "below"), (5e3, "inside"), (1e6, "above"), (np.nan, "not known")]
+)
+def test_it_says_where_the_load_lies(found, load, place):
+    changed = found.assign(radial_load=load)
+    if np.isnan(load):
+        changed = found.assign(minimum_load=found["minimum_load"] * np.nan)
+    assert place in describe_window(changed)
+
+
+def test_without_its_own_value_it_says_both_ends(found):
+    text = describe_window(found.assign(own_point=-1))
+    assert text.count("inner speed") == 2
+    assert "1000 rpm" in text
+    assert "2000 rpm" in text
+
+
+def test_its_figure_has_both_limits_and_the_operation(found):
+    drawn = draw_window(found)
+    names = [handle.get_text() for handle in drawn.legends[0].get_texts()]
+    assert names[0] == "minimum load, slip"
+    assert names[-1] == "this operation"
+    lines = {line.get_label(): line for line in drawn.axes[0].get_lines()}
+    np.testing.assert_allclose(lines["minimum load, slip"].get_ydata(), found["minimum_load"] / 1e3)
+    np.testing.assert_allclose(lines["this operation"].get_xdata(), [1500.0])
+    assert not list(
+        window_figures(
+            found.assign(
+                minimum_load=np.nan * found["varied"], largest_load=np.nan * found["varied"]
+            )
+        )
+    )
+
+
+def test_its_answer_table_and_record_have_every_point(found):
+    assert len(answer(found).table) == 4
+    head, rows = sheet(found)
+    assert head[:3] == ["operation.inner_speed [rpm]", "minimum_load [N]", "largest_load [kN]"]
+    assert len(rows) == 3
+    record = account_of(found).record(found)
+    assert [point["minimum_load"] for point in record["points"]] == found[
+        "minimum_load"
+    ].values.tolist()
+
+
+@pytest.mark.parametrize(
+    ("over", "settings", "said"),
+    [
+        ("operation.radial_load=1kN:2kN", {}, "a window finds this load"),
+        ("lubricant.name=iso-vg-68:iso-vg-100", {}, "is not a quantity with continuous values"),
+        ("operation.inner_sped=1rpm:2rpm", {}, "inner_speed"),
+        ("operation.inner_speed=1000rpm", {}, "write LOW:HIGH or LOW:HIGH:COUNT"),
+        (["temperature=40degC:60degC", OVER], {}, "over one quantity, not 2"),
+        (OVER, {"hours": 0.0}, "hours: must be above 0, got 0"),
+        (OVER, {"static_safety": -1.0}, "static_safety: must be above 0, got -1"),
+    ],
+)
+def test_wrong_settings_are_one_error_before_anything_runs(over, settings, said):
+    with pytest.raises(SceneError) as caught:
+        rollslip.window(SCENE, over, **settings)
+    assert said in str(caught.value)
+
+
+def test_points_without_result_are_named_and_exit_by_four(tmp_path):
+    folder = tmp_path / "o"
+    done = CliRunner().invoke(
+        cli,
+        [
+            "window", "gearbox", "--over", OVER, "--set", "accuracy.slices=5", "--no-plots", "--time-limit", "1 ms",
+            "--engine", "serial", "--out", str(folder),
+        ],
+    )  # fmt: skip
+    assert done.exit_code == 4, done.output
+    assert (
+        "1.5 kN is in a window that is not known at inner speed 1500 rpm: unknown to" in done.output
+    )
+    assert "3 timed-out" in done.output
+    stored = rollslip.open_result(folder / "window.nc")
+    assert np.isnan(stored["minimum_load"]).all()
+    assert set(stored["status"].values.tolist()) == {"failed"}
