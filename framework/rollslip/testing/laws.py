@@ -12,7 +12,6 @@ from typing import Final
 
 import attrs
 import numpy as np
-from hypothesis import assume
 from hypothesis import strategies as st
 
 from rollslip.catalogue.registry import available, get_class
@@ -48,6 +47,7 @@ from rollslip.testing.rules import (
 )
 from rollslip.testing.samples import (
     BEARING,
+    assume,
     copy_of,
     evaluate,
     for_all,

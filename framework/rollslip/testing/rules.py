@@ -10,7 +10,6 @@ from functools import wraps
 from typing import Any, Final
 
 import numpy as np
-from hypothesis import assume
 
 from rollslip.catalogue.kinds import kind_of, usable_kinds
 from rollslip.errors import DomainError, PluginError
@@ -29,10 +28,10 @@ from rollslip.models import (
 )
 from rollslip.references import Reference
 from rollslip.testing.samples import (
+    assume,
     copy_of,
-    drawn_tables,
     evaluate,
-    for_all,
+    for_all_tables,
     forms_of,
     shown,
     with_scene,
@@ -205,7 +204,7 @@ def drawn(model: SliceModel, condition: Callable[[Slices, str, SliceModel], None
                 assume(False)
             condition(filled, form, shaped)
 
-        for_all(drawn_tables(model), property_of)
+        for_all_tables(model, property_of)
 
 
 def on_drawn_slices(condition: Callable[[Slices, str, Any], None]) -> Check:
