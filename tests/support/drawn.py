@@ -1,5 +1,6 @@
 """What stands on a figure that was written as SVG."""
 
+import itertools
 import re
 import xml.etree.ElementTree as ET
 from html import unescape
@@ -21,3 +22,17 @@ def words(path: Path) -> list[str]:
         r"<!--(.*?)-->|<text style[^>]*>(.*?)</text>", path.read_text(encoding="utf-8"), re.DOTALL
     )
     return [unescape(given or plain).strip() for given, plain in found]
+
+
+def overlapping(axis, renderer):
+    """Labels of ticks of an axis that overlap the next one; those outside of the axis are not drawn."""
+    low, high = sorted(axis.get_view_interval())
+    labels = [
+        tick.label1
+        for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks())
+        if low <= tick.get_loc() <= high and tick.label1.get_text() and tick.label1.get_visible()
+    ]
+    boxes = sorted(
+        (label.get_window_extent(renderer) for label in labels), key=lambda b: tuple(b.min)
+    )
+    return [pair for pair in itertools.pairwise(boxes) if pair[0].overlaps(pair[1])]

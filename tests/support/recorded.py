@@ -26,7 +26,7 @@ import motion_samples
 from rollslip.results.accounts import account_of
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.dataset import with_present_names
-from rollslip.results.figures import plot
+from rollslip.results.figures import Figures, plot
 from rollslip.results.text import align_columns, collect_warnings, confidence, describe_more_bounds
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def stored(name: str) -> "xr.Dataset":
     return with_present_names(xr.load_dataset(content, engine="h5netcdf", phony_dims="access"))
 
 
-def told(dataset: "xr.Dataset") -> str:
+def told(dataset: "xr.Dataset", figures: "Figures") -> str:
     """Return all that is said of a result and stands on its figures."""
     account = account_of(dataset)
     answer = answer_of(dataset)
@@ -134,7 +134,6 @@ def told(dataset: "xr.Dataset") -> str:
         parts[f"table {table.caption}".rstrip()] = align_columns(
             [table.head, *map(tuple, table.rows)], math.inf
         )
-    figures = plot(dataset)
     parts |= {
         f"figure {name}: {figures.captions[name]}": list(_on(figure))
         for name, figure in figures.items()
@@ -148,7 +147,7 @@ def told(dataset: "xr.Dataset") -> str:
 
 def text_of(name: str) -> str:
     """Return the text of a stored result, or of samples."""
-    return TEXTS[name]() if name in TEXTS else told(stored(name))
+    return TEXTS[name]() if name in TEXTS else told(stored(name), plot(stored(name)))
 
 
 def _on(figure: "Figure") -> Iterator[str]:
