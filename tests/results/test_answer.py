@@ -384,10 +384,10 @@ def ran(tmp_path_factory):
              "--load", "1 kN", "--supply", "splash", "--cage", "brass"]  # fmt: skip
     assert CliRunner().invoke(cli, given).exit_code == 0
     text = (folder / "my.toml").read_text(encoding="utf-8")
-    text = re.sub(r"(?m)^tolerance = .*$", "tolerance = 0.05", text)
-    (folder / "my.toml").write_text(
-        text.replace("[models]", '[models]\napproach = "dry"'), encoding="utf-8"
-    )
+    text = re.sub(r"(?m)^tolerance = .*$", "tolerance = 0.05\nslices = 5", text)
+    text = text.replace("[models]", '[models]\napproach = "dry"')
+    text = text.replace("[study.steady-slip]", '[study.steady-slip]\npockets = "set"')
+    (folder / "my.toml").write_text(text, encoding="utf-8")
     done = CliRunner().invoke(
         cli, ["run", str(folder / "my.toml"), "--json", "--no-plots", "--out", str(folder / "out")]
     )
@@ -515,7 +515,11 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     """Of 0.1 um the slip of the unloaded bearing stays above the acceptable one: it has a minimum load all the same."""
     scene = coarse(
         "gearbox",
-        {"bearing.radial_clearance": "-0.1 um", "study.steady-slip.acceptable_slip": 0.01},
+        {
+            "bearing.radial_clearance": "-0.1 um",
+            "study.steady-slip.acceptable_slip": 0.01,
+            "accuracy.slices": 5,
+        },
     )
     result = rollslip.run(scene, "steady-slip")
     row = answer_of(result)["minimum_load"]
@@ -527,7 +531,7 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
 def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     """Both rings turn nearly alike: no contact draws oil in within the range of slips of effective friction."""
     requested = ["run", "gearbox", "--no-plots", "--out", str(tmp_path / "o")]
-    turned = ["--set", "operation.outer_speed=1450 rpm", *SET_COARSE]
+    turned = ["--set", "operation.outer_speed=1450 rpm", *SET_COARSE, "--set", "accuracy.slices=5"]
     done = CliRunner().invoke(cli, [*requested, *turned])
     assert isinstance(done.exception, DomainError)
     assert str(done.exception).startswith(
@@ -566,7 +570,7 @@ def test_a_code_that_is_none_leads_to_what_explains_it(code, hint):
 
 def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
     """Their weight is left out of the balance of loads."""
-    result = rollslip.run(coarse("gearbox"), "steady-slip")
+    result = rollslip.run(coarse("gearbox", {"accuracy.slices": 5}), "steady-slip")
     weight = result.attrs["rollers_weight"]
     scene = json.loads(result.attrs["scene_resolved"])["bearing"]
     volume = 0.25 * math.pi * scene["roller_diameter"] ** 2 * scene["roller_length"]
