@@ -39,10 +39,10 @@ SOURCES = [
 
 def imported(path: Path) -> set[str]:
     """Return the modules that a file imports, cimports or includes when it is loaded or called."""
-    text = path.read_text()
+    text = path.read_text(encoding="utf-8")
     if path.suffix in (".py", ".pyi"):
         found = set()
-        for node in ast.walk(ast.parse(text)):
+        for node in ast.walk(architecture.tree_of(text)):
             if isinstance(node, ast.Import):
                 found |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):
@@ -341,15 +341,15 @@ outer_raceway_diameter = "84 mm"
 inner_speed = "3000 rpm"
 radial_load = "5 kN"
 temperature = "60 degC"
+[accuracy]
+slices = 3
+tolerance = 0.05
 [lubricant]
 name = "mil-prf-7808"
 """
 FULL = (
     MINIMAL
     + """eyring_stress = "4 MPa"
-[accuracy]
-slices = 3
-tolerance = 0.05
 [cage]
 mass = "0.4 kg"
 inertia = "3.3e-3 kg m2"

@@ -71,7 +71,8 @@ def modules(root: Path = ROOT) -> dict[str, Path]:
 
 
 @cache
-def _tree(text: str) -> ast.Module:
+def tree_of(text: str) -> ast.Module:
+    """Return the syntax tree of a source."""
     return ast.parse(text)
 
 
@@ -84,7 +85,7 @@ def _docstrings(tree: ast.Module) -> set[int]:
 
 @cache
 def _texts_of(source: str) -> tuple[tuple[int, str], ...]:
-    tree = _tree(source)
+    tree = tree_of(source)
     skipped = _docstrings(tree)
     return tuple(
         (node.lineno, node.value)
@@ -104,7 +105,7 @@ def _texts(path: Path) -> tuple[tuple[int, str], ...]:
 def _named(source: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Module and names of every import, also in functions and for types; no names where a module is imported."""
     found = list[tuple[str, tuple[str, ...]]]()
-    for node in ast.walk(_tree(source)):
+    for node in ast.walk(tree_of(source)):
         if isinstance(node, ast.Import):
             found += [(alias.name, ()) for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module is not None:
@@ -140,7 +141,7 @@ def _classes_asked_for(source: str) -> tuple[tuple[int, frozenset[str]], ...]:
             node.lineno,
             frozenset(name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)),
         )
-        for node in ast.walk(_tree(source))
+        for node in ast.walk(tree_of(source))
         if isinstance(node, ast.Call)
         and isinstance(node.func, ast.Name)
         and node.func.id == "isinstance"
@@ -217,7 +218,7 @@ def too_large(root: Path = ROOT) -> list[str]:
     for module, path in known.items():
         if path.name != "__init__.py" or module == FACE or folder(module) == "rollslip_campaigns":
             continue  # campaigns say there what they offer
-        tree = _tree(path.read_text(encoding="utf-8"))
+        tree = tree_of(path.read_text(encoding="utf-8"))
         first = (ast.get_docstring(tree) or "").strip()
         rest = tree.body[1:]
         handed = all(isinstance(node, ast.ImportFrom | ast.Assign | ast.Try) for node in rest)
@@ -256,7 +257,7 @@ def named_studies(root: Path = ROOT) -> list[str]:
     classes = {
         node.name
         for module in studies.values()
-        for node in _tree(known[module].read_text(encoding="utf-8")).body
+        for node in tree_of(known[module].read_text(encoding="utf-8")).body
         if isinstance(node, ast.ClassDef)
     }
     for module, path in known.items():
