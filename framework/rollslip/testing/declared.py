@@ -141,16 +141,6 @@ def not_run(model: Any, check: Check) -> str:
         or check is check_complies_with_its_declarations
     ):
         return ""
-    if not any(asked is model for asked, _ in _LAST):
-        _LAST[:] = [(model, _reason(model))]
-    return _LAST[0][1]
-
-
-#: The model that was asked about last, with its answer: the rules of a model are run one after another.
-_LAST: Final[list[tuple[Any, str]]] = []
-
-
-def _reason(model: Any) -> str:
     try:
         check_complies_with_its_declarations(model)
     except Exception:

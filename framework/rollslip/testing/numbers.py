@@ -28,7 +28,6 @@ from rollslip.testing.rules import (
     Inapplicable,
     Nonconformance,
     Questionable,
-    changed,
     first_of,
     refuse_unless,
     rule,
@@ -37,6 +36,7 @@ from rollslip.testing.rules import (
 from rollslip.testing.samples import (
     BEARING,
     MAGNITUDES,
+    changed,
     copy_of,
     evaluate,
     forms_of,

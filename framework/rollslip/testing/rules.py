@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from rollslip.catalogue.kinds import kind_of, usable_kinds
-from rollslip.errors import DomainError, PluginError
+from rollslip.errors import PluginError
 from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import (
     ContactModel,
@@ -28,9 +28,8 @@ from rollslip.models import (
 )
 from rollslip.references import Reference
 from rollslip.testing.samples import (
-    assume,
-    copy_of,
-    evaluate,
+    Unsuitable,
+    changed,
     for_all_tables,
     forms_of,
     shown,
@@ -198,10 +197,8 @@ def drawn(model: SliceModel, condition: Callable[[Slices, str, SliceModel], None
     for form, shaped in forms_of(model):
 
         def property_of(slices: Slices, form: str = form, shaped: SliceModel = shaped) -> None:
-            try:
-                filled = evaluate(shaped, copy_of(slices))
-            except DomainError:
-                assume(False)
+            if (filled := changed(slices, shaped)) is None:
+                raise Unsuitable
             condition(filled, form, shaped)
 
         for_all_tables(model, property_of)
@@ -220,14 +217,3 @@ def on_drawn_slices(condition: Callable[[Slices, str, Any], None]) -> Check:
 def first_of(wrong: Any) -> int | None:
     """Return the index of the first wrong slice; None if there is none."""
     return int(np.argmax(wrong)) if np.any(wrong) else None
-
-
-def changed(slices: Slices, model: SliceModel, **columns: Any) -> Slices | None:
-    """Return an evaluated copy of slices with other columns; None where the model refuses them."""
-    other = copy_of(slices)
-    for name, values in columns.items():
-        getattr(other, name)[:] = values
-    try:
-        return evaluate(model, other)
-    except DomainError:
-        return None

@@ -1,4 +1,4 @@
-"""Inputs for the checks: drawn by hypothesis from a model's own domain, or laid out evenly over it.
+"""Inputs for the checks: drawn from a model's own domain, or laid out evenly over it.
 
 - A domain is often "greater than zero" up to the largest float, and few laws mean anything there. Values are therefore
   drawn where the domain and the engineering magnitude of a member overlap, even in the logarithm, over several decades
@@ -6,9 +6,9 @@
 - Edges are always in: zero where it is allowed, and the ends of a domain that somebody has chosen.
 - Members are drawn independently. A law is a function of what it reads; whether half width and pressure belong to one
   contact is not its business, and corners that typical oils never reach are where laws go wrong.
-- Few slices are drawn by hypothesis. What fails is not shrunk: that can take minutes, and a message shows one slice
-  anyway. Checks of blocks, order and threads need many slices, whose values hardly matter: those are laid out by a
-  formula, the same in every run.
+- Few slices are drawn. What fails is not shrunk: that can take minutes, and a message shows one slice anyway. Checks of
+  blocks, order and threads need many slices, whose values hardly matter: those are laid out by a formula, the same in
+  every run.
 - A model may refuse a slice that its domain cannot describe (a contact wider than long). Such slices are left out.
 """
 
@@ -17,13 +17,12 @@ import itertools
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import Any, Final, cast
 
 import attrs
 import numpy as np
-from hypothesis import HealthCheck, Phase, Verbosity, given, reject, seed, settings
+from hypothesis import HealthCheck, Phase, Verbosity, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 from numpy.typing import ArrayLike
@@ -231,13 +230,16 @@ def _between(part: Limits, fraction: Any) -> Any:
     return np.clip(value, low, high)
 
 
-def values(member: str, limits: Limits) -> "st.SearchStrategy[float]":
-    """Return a strategy of values of a member within the limits of a domain, its edges among them."""
+def _drawn(member: str, limits: Limits, random: np.random.Generator) -> float:
+    """Return a random value of a member within the limits of a domain; ends and edges are often drawn."""
     if member == "regime":
-        return st.sampled_from([0.0, 1.0, 2.0, 3.0])
+        return float(random.integers(4))
     parts, edges = _parts(member, limits)
-    ranges = [st.floats(0.0, 1.0).map(partial(_between, part)) for part in parts]
-    return st.one_of(*ranges, *([st.sampled_from(edges)] if edges else []))
+    parts += [(edge, edge) for edge in edges]
+    # a twelfth of the fractions is at either end
+    return float(
+        _between(parts[random.integers(len(parts))], np.clip(random.uniform(-0.1, 1.1), 0.0, 1.0))
+    )
 
 
 def typical(member: str, limits: Limits) -> float:
@@ -247,46 +249,46 @@ def typical(member: str, limits: Limits) -> float:
 
 def typical_values(model: SliceModel, names: Iterable[str]) -> dict[str, float]:
     """Return usual values of members, within the domain of a model."""
-    domain = model.domain  # once: that of a blend is computed from those of its parts
-    return {name: typical(name, domain.get(name, POSITIVE)) for name in names}
+    return {name: typical(name, model.domain.get(name, POSITIVE)) for name in names}
 
 
-def _limits(model: SliceModel, names: Iterable[str]) -> dict[str, Limits]:
+def _limits(model: SliceModel, member: str) -> Limits:
     # A member without a domain is a finding of its own; here it must not hide what else is wrong.
-    domain = model.domain
-    return {name: domain.get(name, MAGNITUDES[name][::2]) for name in names}
+    return model.domain.get(member, MAGNITUDES[member][::2])
 
 
 def members(model: SliceModel, of: Mapping[str, object]) -> list[str]:
     """Return the columns, or the conditions, that a model reads, in the order of the table."""
-    reads = model.reads
-    return [name for name in of if name in reads]
+    return [name for name in of if name in model.reads]
 
 
 # Tables --------------------------------------------------------------------------------------------------------------
 
 
-def drawn_tables(model: SliceModel) -> "st.SearchStrategy[Slices]":
-    """Return a strategy of tables of one to four slices that a model reads."""
-    conditions = _limits(model, members(model, CONDITIONS))
-    columns = _limits(model, members(model, COLUMNS))
-    row = st.tuples(*(values(name, limits) for name, limits in columns.items()))
-
-    def slices(of_all: tuple[float, ...], rows: list[tuple[float, ...]]) -> Slices:
-        given = dict(zip(columns, zip(*rows, strict=True), strict=True))
-        return Slices(len(rows), Conditions(**dict(zip(conditions, of_all, strict=True))), **given)
-
-    of_all = st.tuples(*(values(name, limits) for name, limits in conditions.items()))
-    return st.builds(slices, of_all, st.lists(row, min_size=1, max_size=4))
+def drawn_table(model: SliceModel, random: np.random.Generator) -> Slices:
+    """Return a random table of one to four slices that a model reads."""
+    n = int(random.integers(1, 5))
+    conditions = {
+        name: _drawn(name, _limits(model, name), random) for name in members(model, CONDITIONS)
+    }
+    return Slices(
+        n,
+        Conditions(**conditions),
+        **{
+            name: [_drawn(name, _limits(model, name), random) for _ in range(n)]
+            for name in members(model, COLUMNS)
+        },
+    )
 
 
 def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = None) -> Slices:
     """Return n slices laid out over what a model reads, at typical conditions; those it refuses are left out."""
-    conditions = _limits(model, members(model, CONDITIONS))
-    usual = {name: typical(name, limits) for name, limits in conditions.items()}
-    slices = Slices(n, Conditions(**usual))
-    for k, (name, limits) in enumerate(_limits(model, members(model, COLUMNS)).items()):
-        parts, edges = _parts(name, limits, None if magnitudes is None else magnitudes.get(name))
+    conditions = {name: typical(name, _limits(model, name)) for name in members(model, CONDITIONS)}
+    slices = Slices(n, Conditions(**conditions))
+    for k, name in enumerate(members(model, COLUMNS)):
+        parts, edges = _parts(
+            name, _limits(model, name), None if magnitudes is None else magnitudes.get(name)
+        )
         # Multiples of an irrational number fill an interval evenly, those of different roots independently.
         fractions = np.arange(1, n + 1) * math.sqrt((2, 3, 5, 7, 11, 13, 17, 19, 23, 29)[k]) % 1.0
         column = np.full(n, edges[0] if edges else 0.0)
@@ -331,22 +333,25 @@ def accepted(model: SliceModel, slices: Slices) -> Slices:
     tried = copy_of(slices)
     for name in model.writes:
         getattr(tried, name)[:] = 0.0  # a slice that is left alone is no refusal
+    if not refuses(model, tried):
+        return slices
+    return slices.taken([i for i in range(len(slices)) if not refuses(model, slices.taken([i]))])
+
+
+def changed(slices: Slices, model: SliceModel, **columns: Any) -> Slices | None:
+    """Return an evaluated copy of slices with other columns; None where the model refuses them."""
+    other = copy_of(slices)
+    for name, values in columns.items():
+        getattr(other, name)[:] = values
     try:
-        evaluate(model, tried)
+        return evaluate(model, other)
     except DomainError:
-        return slices.taken(
-            [i for i in range(len(slices)) if not refuses(model, slices.taken([i]))]
-        )
-    return slices
+        return None
 
 
 def refuses(model: SliceModel, slices: Slices) -> bool:
     """Return whether a model refuses slices, which are not changed."""
-    try:
-        evaluate(model, copy_of(slices))
-    except DomainError:
-        return True
-    return False
+    return changed(slices, model) is None
 
 
 def shown(model: SliceModel, slices: Slices, i: int) -> str:
@@ -356,25 +361,38 @@ def shown(model: SliceModel, slices: Slices, i: int) -> str:
     return ", ".join(f"{name} = {value:.6g}" for name, value in row.items())
 
 
-class Unsuitable(Exception):  # noqa: N818 - no error, the next value is taken
-    """A property says nothing of a drawn value."""
+class Unsuitable(Exception):  # noqa: N818 - no error, the next table is taken
+    """A property says nothing of a drawn table."""
 
 
 def assume(condition: object) -> None:
-    """Raise `Unsuitable` unless a property says something of a drawn value, as of ``hypothesis.assume``."""
+    """Raise `Unsuitable` unless a property says something of a drawn table."""
     if not condition:
         raise Unsuitable
 
 
 def _examples() -> int:
-    """Return how many values a property is checked on: a quarter of what the hypothesis profile asks for."""
+    """Return the number of inputs for a property: a quarter of what the hypothesis profile asks for."""
     return max((settings.default or settings()).max_examples // 4, 10)
 
 
-def for_all(
-    strategy: "st.SearchStrategy[T]", check: Callable[[T], None], start: int | None = None
-) -> None:
-    """Run ``check`` on drawn values, the same ones in every run; other ones for another ``start`` of the numbers.
+def for_all_tables(model: SliceModel, check: Callable[[Slices], None]) -> None:
+    """Run ``check`` on tables drawn from the domain, the same ones in every run.
+
+    They are not drawn by hypothesis, which would take longer than all else. Of tables of which a property says nothing
+    ten times as many are drawn, as hypothesis does.
+    """
+    random = np.random.default_rng(0)
+    left = _examples()
+    for _ in range(10 * left):
+        if left:
+            with contextlib.suppress(Unsuitable):
+                check(drawn_table(model, random))
+                left -= 1
+
+
+def for_all(strategy: "st.SearchStrategy[T]", check: Callable[[T], None]) -> None:
+    """Run ``check`` on drawn values, the same ones in every run.
 
     A verdict on a package must not change from one run to the next, so nothing is drawn at random or remembered. What
     hypothesis still adds are constants that it finds in the modules imported so far: same imports, same values.
@@ -384,7 +402,7 @@ def for_all(
         max_examples=_examples(),
         deadline=None,
         phases=[Phase.generate],
-        derandomize=start is None,
+        derandomize=True,
         database=None,
         report_multiple_bugs=False,
         print_blob=False,
@@ -393,63 +411,8 @@ def for_all(
     )
     @given(strategy)
     def run(value: T) -> None:
-        try:
-            check(value)
-        except Unsuitable:
-            reject()
+        check(value)
 
     # A model that refuses all that is drawn is found by the check of typical inputs.
     with contextlib.suppress(Unsatisfiable):
-        (run if start is None else seed(start)(run))()
-
-
-@attrs.frozen
-class _Drawn:
-    """Tables drawn for a model, as many parts as were asked for so far."""
-
-    model: SliceModel
-    examples: int
-    parts: list[list[Slices]] = attrs.field(factory=list)
-
-    def part(self, k: int) -> list[Slices]:
-        if k == len(self.parts):
-            tables: list[Slices] = []
-            for_all(drawn_tables(self.model), tables.append, k or None)
-            self.parts.append(tables)
-        return self.parts[k]
-
-
-#: Tables of the model that was checked last: all properties of a model are checked on the same ones, and drawing them
-#: takes longer than evaluating them.
-_LAST: Final[list[_Drawn]] = []
-#: Largest number of parts that are drawn for a property that says nothing of most tables. Doubling it changes nothing
-#: for the built-in models. Chosen, as hypothesis draws ten times as many values as it is asked for.
-PARTS: Final = 10
-
-
-def for_all_tables(model: SliceModel, check: Callable[[Slices], None]) -> None:
-    """Run ``check``, which must not change them, on tables drawn from the domain, see `for_all`."""
-    wanted = _examples()
-    if not any(last.model is model and last.examples == wanted for last in _LAST):
-        _LAST[:] = [_Drawn(model, wanted)]
-    drawn = _LAST[0]
-    for slices in (table for k in range(PARTS) for table in drawn.part(k)):
-        try:
-            check(slices)
-        except Unsuitable:
-            continue
-        except Exception as error:
-            _repeat(check, slices, error)
-            raise
-        wanted -= 1
-        if not wanted:
-            return
-
-
-def _repeat(check: Callable[[Slices], None], slices: Slices, error: Exception) -> None:
-    """Raise a group of an error, as hypothesis does, unless a check fails again on the same slices."""
-    try:
-        check(slices)
-    except Exception:
-        return
-    raise ExceptionGroup("it fails once and passes once", [error])
+        run()

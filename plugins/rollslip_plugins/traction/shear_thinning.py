@@ -275,24 +275,21 @@ def _from_logarithm(eps: Array, gap: Array) -> Array:
 
 def _scaled(x: Array) -> Array:
     """Return exp(-x) N(x) with N(x) = sum of x^k/(k k!), k >= 1; above 40 from the asymptotic series of Ei."""
-    is_large = x > 40.0
     small = np.minimum(x, 40.0)
-    found = np.exp(-small)
-    near = small[~is_large]
-    term = np.ones_like(near)
-    total = np.zeros_like(near)
+    term = np.ones_like(small)
+    total = np.zeros_like(small)
     for k in range(1, 160):
-        term *= near / k
+        term *= small / k
         total += term / k
         # terms that are too small for a sum leave it as it is: looked at now and then
         if k % 8 == 0 and not (term > 1e-17 * total).any():
             break
-    found[~is_large] *= total
-    large = x[is_large]
+    if not (x > 40.0).any():
+        return np.exp(-small) * total
+    large = np.maximum(x, 40.0)
     term = 1 / large
     tail = np.zeros_like(large)
-    for k in range(1, 41 if large.size else 1):
-        tail += term
+    for k in range(1, 41):
+        tail = tail + term
         term = term * k / large
-    found[is_large] = tail
-    return found
+    return np.where(x > 40.0, tail, np.exp(-small) * total)
