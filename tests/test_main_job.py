@@ -114,7 +114,15 @@ def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
     bands = band.bands
     monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or bands(*given))
     result = rollslip.run(
-        rollslip.evolve(rollslip.load_scene(SCENE), {"accuracy.slices": 3}), STUDY
+        rollslip.evolve(
+            rollslip.load_scene(SCENE),
+            {
+                "accuracy.slices": 3,
+                "models.traction": "muraki",
+                "study.effective-friction.points": 6,
+            },
+        ),
+        STUDY,
     )
     assert not calls
     for _ in range(2):
@@ -151,5 +159,7 @@ CAMPAIGNS = {
 
 @pytest.mark.parametrize("campaign", CAMPAIGNS)
 def test_points_of_campaigns_compute_nothing_for_readers(campaign, nothing_for_readers, tmp_path):
-    scene = coarse("gearbox", {"accuracy.slices": 5})
+    scene = coarse(
+        "gearbox", {"accuracy.slices": 3, "models.traction": "muraki", "models.film": "moes"}
+    )
     assert CAMPAIGNS[campaign](scene, tmp_path / "out") is not None

@@ -385,9 +385,12 @@ def ran(tmp_path_factory):
     assert CliRunner().invoke(cli, given).exit_code == 0
     text = (folder / "my.toml").read_text(encoding="utf-8")
     text = re.sub(r"(?m)^tolerance = .*$", "tolerance = 0.05\nslices = 5", text)
-    text = text.replace("[models]", '[models]\napproach = "dry"')
-    text = text.replace("[study.steady-slip]", '[study.steady-slip]\npockets = "set"')
-    (folder / "my.toml").write_text(text, encoding="utf-8")
+    (folder / "my.toml").write_text(
+        text.replace("[models]", '[models]\napproach = "dry"').replace(
+            "[study.steady-slip]", '[study.steady-slip]\npockets = "set"'
+        ),
+        encoding="utf-8",
+    )
     done = CliRunner().invoke(
         cli, ["run", str(folder / "my.toml"), "--json", "--no-plots", "--out", str(folder / "out")]
     )

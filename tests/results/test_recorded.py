@@ -7,32 +7,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import recorded
 from drawn import overlapping
 from rollslip.catalogue.registry import available
-from rollslip.results.figures import plot
 from rollslip.results.style import SINGLE_COLUMN, STYLE, TWO_COLUMNS, set_plainly
 
 
-@pytest.fixture(scope="module")
-def read(request):
-    """Name, text and figures of a stored result; samples have a text alone."""
-    if request.param in recorded.TEXTS:
-        return request.param, recorded.text_of(request.param), {}
-    dataset = recorded.stored(request.param)
-    figures = plot(dataset)
-    return request.param, recorded.told(dataset, figures), figures
-
-
-@pytest.mark.parametrize("read", [*recorded.RESULTS, *recorded.TEXTS], indirect=True)
-def test_a_stored_result_is_told_and_drawn_as_recorded(read):
+@pytest.mark.parametrize("name", [*recorded.RESULTS, *recorded.TEXTS])
+def test_a_stored_result_is_told_and_drawn_as_recorded(name):
     """Read the difference; then write the text anew by: python tests/support/recorded.py NAME."""
-    name, told, _ = read
     text = (recorded.STORED / f"{name}.txt").read_text(encoding="utf-8")
-    assert told.splitlines() == text.splitlines()
+    assert recorded.text_of(name).splitlines() == text.splitlines()
 
 
-@pytest.mark.parametrize("read", recorded.RESULTS, indirect=True)
-def test_labels_of_ticks_do_not_overlap_and_texts_are_within_figures_of_one_or_two_columns(read):
+@pytest.mark.parametrize("name", recorded.RESULTS)
+def test_labels_of_ticks_do_not_overlap_and_texts_are_within_figures_of_one_or_two_columns(name):
     with style.context(["default", dict(STYLE)]):
-        for figure in read[2].values():
+        for figure in recorded.drawn(name).values():
             assert figure.get_figwidth() in (SINGLE_COLUMN[0], TWO_COLUMNS[0])
             set_plainly(figure)
             canvas = FigureCanvasAgg(figure)
@@ -41,8 +29,9 @@ def test_labels_of_ticks_do_not_overlap_and_texts_are_within_figures_of_one_or_t
             axes = [one for panel in figure.axes for one in (panel, *panel.child_axes)]
             titles = [text for one in axes for text in (one._left_title, one.xaxis.label)]
             for text in (*legends, *titles):
-                box = text.get_window_extent(canvas.get_renderer())
-                assert box.x1 <= figure.bbox.x1 + 1.0, text
+                assert text.get_window_extent(canvas.get_renderer()).x1 <= figure.bbox.x1 + 1.0, (
+                    text
+                )
             for axis in (axis for one in axes for axis in (one.xaxis, one.yaxis)):
                 assert not overlapping(axis, canvas.get_renderer())
 

@@ -111,9 +111,8 @@ def test_a_report_is_that_of_the_command(result, tmp_path):
     done = CliRunner().invoke(cli, ["report", *files, "--out", str(tmp_path / "command.html")])
     assert done.exit_code == 0, done.output
     page = (tmp_path / "command.html").read_text(encoding="utf-8")
-    for given in (files, [result]):
-        path = rollslip.report(*given, out=tmp_path / "python.html", overwrite=True)
-        assert path.read_text(encoding="utf-8") == page
+    path = rollslip.report(result, out=tmp_path / "python.html")
+    assert path.read_text(encoding="utf-8") == page
     with pytest.raises(OutputError, match="exists; name another"):
         rollslip.report(result, out=path)
 

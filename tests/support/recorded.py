@@ -145,9 +145,15 @@ def told(dataset: "xr.Dataset", figures: "Figures") -> str:
     )
 
 
+@cache
+def drawn(name: str) -> "Figures":
+    """Return the figures of a stored result, whose text is read before their ticks are changed."""
+    return plot(stored(name))
+
+
 def text_of(name: str) -> str:
     """Return the text of a stored result, or of samples."""
-    return TEXTS[name]() if name in TEXTS else told(stored(name), plot(stored(name)))
+    return TEXTS[name]() if name in TEXTS else told(stored(name), drawn(name))
 
 
 def _on(figure: "Figure") -> Iterator[str]:

@@ -24,7 +24,7 @@ from rollslip.testing.samples import table
 from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
 from rollslip_plugins.film.formulas import PanHamrock
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
-from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.blend import GreenwoodTripp, LambdaBlend, LinearBlend, ZhouHoeprich
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 
@@ -66,15 +66,14 @@ class TestPressureViscosity(Conformance):
     )  # fmt: skip
 
 
-def with_a_cheap_film(model):
-    """A blend with a law of the film in closed form, but for one; the law that all have by default is in the box."""
-    own = model.full_film is model or isinstance(model, LambdaBlend)
-    return model if own else model.with_full_film(Eyring())
+#: Blends, but for one: their law of the film, which costs most, is the same by default.
+OTHER_BLENDS = (GreenwoodTripp, LinearBlend, ZhouHoeprich)
 
 
 class TestTraction(Conformance):
     models = (
-        *map(with_a_cheap_film, box("traction")),
+        *(model for model in box("traction") if not isinstance(model, OTHER_BLENDS)),
+        *(blend(hydrodynamic=Eyring()) for blend in OTHER_BLENDS),
         Muraki(flash=1.0),
         MaxwellEyring(flash=1.0),
         Kragelsky(limit=0.05, rise=10.0, decay=400.0),
