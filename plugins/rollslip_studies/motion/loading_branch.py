@@ -1,9 +1,17 @@
 """Find the loading branch: motions of the rollers while the drag on the cage is raised from zero, and where they jump.
 
-The periodic motion of the rollers is a function of the cage slip S with several values. Where the traction of a roller
-has passed its maximum, the roller may stick to the inner ring and slide on the outer one, or the other way round: an
-imperfect pitchfork bifurcation. The motion at small slips continues on one of both branches. The other branch starts
-at a fold, which only a cage that comes from larger slips can reach.
+A *motion* is a periodic solution of the roller spins at a fixed cage slip S. To *march* is to follow rollers in time,
+orbit by orbit, from a start until their spins repeat; the branch is not continued by a predictor and corrector.
+
+There may be several motions at a slip. Where the traction of a roller has passed its maximum, the roller may stick to
+the inner ring and slide on the outer one, or the other way round: an imperfect pitchfork bifurcation. The motion at
+small slips continues on one of both branches. The other branch starts at a fold, which only a cage that comes from
+larger slips can reach.
+
+The cage slip *jumps* at a maximum of the torque, where a larger drag has no steady slip nearby. It is a limit point,
+with the drag as parameter. There are two kinds: a smooth maximum, and the end of a motion, a fold with S as parameter.
+Neighbouring motions tell which it is: beside an end they differ by more than `motion.spins.CONTINUES`, which
+`Motion.is_continuous` stores.
 
 The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque bends about equally at all slips:
 
@@ -12,22 +20,25 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 2. Start at the smallest slip. At each next slip take the motion that is nearest to the previous one, by the
    load-weighted L1 distance of their roller slips.
 3. Where there are two motions, march from the previous motion. If that reaches another motion than the nearest one,
-   replace it and repeat step 2 with it.
+   only that motion remains at this slip, and step 2 is repeated.
 4. Drop motions that did not converge, and isolated ones.
 5. Bisect the intervals beside a maximum of the torque, and those in which a motion ends, while a bound on the torque
    inside exceeds the running maximum by 0.1 %.
 6. A motion from which the torque falls by more than 0.2 % before it is exceeded is a candidate for a jump.
 7. At a smooth maximum, find the vertex of the polynomial through the five samples around the largest one, evaluate it
    there, and repeat this with the new sample, up to nine samples. At the end of a motion, take the last sample.
-8. Repeat step 7 with four times as many positions of the orbit. The change, added to the error of the interpolation,
-   is the stated error: what still more positions would change decreases irregularly. A maximum that finer positions
-   do not have is dropped.
-9. Find where the torque regains the maximum, both on the coarse positions: the slip to which the cage jumps.
+8. Repeat step 7 with four times as many positions of the orbit, the *finer* ones; those of the search are *coarse*.
+   The stated error is the change, undivided, plus the error of the interpolation: Richardson extrapolation would
+   divide the change, but errors decrease irregularly with the number of positions. A maximum that finer positions do
+   not have is dropped.
+9. Find the slip to which the cage jumps: the next one with as much torque as the maximum, both on coarse positions.
 10. Skidding starts at the first jump which leads to a slip above `SKIDDING_SLIP`, or after which no slip carries the
-    drag. Of jumps that start above it, one counts which at least doubles the slip.
+    drag. A jump that starts above `SKIDDING_SLIP` counts only if it at least doubles the slip.
 
 The slips are chosen by the bearing and the range alone, so that the result does not depend on earlier calls.
-Roots are found by regula falsi (Illinois) and secants, `rollslip.search`.
+Roots are found by regula falsi (Illinois) and secants, `rollslip.search`, which also limits their number of steps; that
+of step 7 is `SearchTolerances.vertex_samples`. Steps 2 to 5 need no limit: each repetition of step 2 leaves one motion
+at a slip that had two, and bisection ends at `SearchTolerances.gap_width`.
 
 References
 ----------
@@ -74,18 +85,20 @@ class SearchTolerances:
     #: changes a torque by 2.5 %; half the value costs 75 % more and changes torques within the errors.
     grid_step: float = 0.25
     #: Width in logit(S) to which a gap at the end of a motion is bisected, nine times from a step of the grid. Half
-    #: and twice the value change largest torques by up to 4e-5 and 8e-5; chosen, below `equal_drag`.
+    #: and twice the value change largest torques by up to 4e-5 and 8e-5; chosen, below `equal_drag`, because a
+    #: torque in proportion to the slip rises in a gap by the width, relative to itself.
     gap_width: float = 0.25 / 512.0  # grid_step / 512: change both together
-    #: Relative difference up to which torques count as equal, so that no interval is bisected for less. Twice the
-    #: value does not resolve a step of the torque, which changes it by 4.6 % and its stated error from 1.3 % to 13 %;
-    #: half the value costs 1 % and changes torques by up to 2e-4.
+    #: Relative difference up to which torques count as equal, so that no interval is bisected for less. With twice the
+    #: value the search passes over a step of the torque in one bearing: its largest torque changes by 4.6 %, and the
+    #: stated error of that from 1.3 % to 13 %. Half the value costs 1 % and changes torques by up to 2e-4.
     equal_drag: float = 1e-3
-    #: Factor on the second difference that bounds the torque in an interval. Half the value does not resolve that
-    #: step either, twice the value costs 1 % and changes torques by up to 2e-5.
+    #: Safety factor on the second derivative, taken from samples, that bounds the torque in an interval: between them
+    #: it may be larger. Half the value passes over the same step as twice `equal_drag`, twice the value costs 1 % and
+    #: changes torques by up to 2e-5.
     curvature_factor: float = 2.0
-    #: How fast the torque may fall behind a gap, over its excess and the step of logit(S): bounds the torque there.
-    #: Neither half nor twice the value changes a result of 62 random bearings; chosen, half the rate at which a torque
-    #: in proportion to the slip rises.
+    #: Largest rate -dln(T)/dlogit(S) at which the torque T is assumed to fall behind a gap, where T is in excess of
+    #: the resistance without slip (`_bound_in_gap`). Neither half nor twice the value changes a result of 62 random
+    #: bearings; chosen, half the rate 1 at which a torque in proportion to the slip rises.
     fall_in_gap: float = 0.5
     #: Relative fall of the torque before it is exceeded from which on a motion is a maximum. Half the value adds a
     #: jump, twice the value drops two; chosen, twice `equal_drag`, because smaller falls are within the errors.
@@ -160,7 +173,7 @@ class Jump:
     drag: float  # torque of the maximum [N m]: with more drag the slip jumps
     slip_after: float  # slip to which the cage jumps, NaN if none in the range carries the drag
     error: float  # of the drag, relative: by the grid of slips, positions of the orbit and loads of a roller
-    #: Fraction of the drag -> the two slips between which the torque is within it.
+    #: Fraction f -> the slips before and behind the maximum at which the torque is 1 - f times the drag.
     slips_within: Callable[[float], list[float]] = attrs.field(eq=False, repr=False)
 
     @property
@@ -212,7 +225,7 @@ class LoadingBranch:
     def maximum(self) -> tuple[float, float]:
         """Slip and torque [N m] of the largest torque on the branch, which may be at the end of the range.
 
-        Of a branch with jumps it is at one of these or at the end: elsewhere a torque above all before rises further.
+        With jumps it is at one of these or at the end: any other torque that exceeds all before it is exceeded behind.
         """
         motions = self.motions[-1:] if self.jumps else self.motions
         candidates = [(motion.slip, motion.torque) for motion in motions]
@@ -391,8 +404,9 @@ class _Search:
     ) -> bool:
         """Replace the candidates at the first slip at which a march from the previous motion reaches another motion.
 
-        The other motion is not the nearest one, which the branch has. It replaces a motion that converged only if it
-        converged itself; from one that did not, marches may lead to one that does. Return whether there is such a slip.
+        The branch has the nearest motion there. If that converged, a march that did not converge does not replace it.
+        If it did not, any march replaces it, because marches from there may converge at the next slips. Return whether
+        there is such a slip.
         """
         ambiguous = [k for k in range(1, len(slips)) if len(candidates[k]) > 1]
         if not ambiguous:
@@ -463,8 +477,8 @@ class _Search:
     ) -> _Maximum:
         """The maximum at motion k on finer positions, with its error; the coarse one where marches do not converge.
 
-        A smooth one is looked for up to the logit ``end``, from samples between which the coarse torque is nearly the
-        maximum. The error of the coarse one without a finer one is unknown, infinity.
+        A smooth one is looked for up to the logit ``end``. The first samples are as far apart as the slips at which the
+        coarse torque has fallen by `equal_drag`. Without a finer maximum the error of the coarse one is infinite.
         """
         if _is_continuous_on_both_sides(branch, k):
             slips = _slips_within(branch, k, coarse, coarse.logit, SEARCH.equal_drag)
@@ -586,8 +600,8 @@ class _Search:
     def estimate_error(self, motion: Motion) -> float:
         """Relative error of the torque of a motion: its own, and twice the change by four times the positions.
 
-        The finer torque may still differ by that change from the exact one, as is stated of a jump (step 8). Of a jump
-        the finer torque itself is stated, here the coarse one, which differs from that by the change once more.
+        The finer torque is within the change of the exact one, as is stated of a jump (step 8). A jump has the finer
+        torque as its result. Here the coarse torque is the result, which differs from the finer one by the change, too.
         """
         (fine,) = self._fine_motions.find_from([motion.slip], motion)
         if not fine.converged:
@@ -734,7 +748,7 @@ def _drop_doubtful(branch: list[Motion]) -> list[Motion]:
 
 
 def _grid(max_slip: float) -> list[float]:
-    """Slips of the search (step 1)."""
+    """Slips of the search (step 1); where the range ends below `smallest_slip`, from half of its end."""
     start = logit_slip(min(SEARCH.smallest_slip, 0.5 * max_slip))
     end = logit_slip(max_slip)
     count = math.ceil((end - start) / SEARCH.grid_step)
