@@ -644,9 +644,7 @@ def is_as_bad(verdict: str, other: str) -> bool:
 def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
     """Return the facts that rules compare, as lower and upper bounds; facts that are not known are left out."""
     known = {row.key: row for row in answer.rows if not math.isnan(row.value)}
-    # a study that does not compute these three is not worse for it; without slip and reserve nothing can be said
-    values = {Fact.CHOICE: 0.0, Fact.VISCOSITY_RATIO: 0.0, Fact.FILM_PARAMETER: math.inf}
-    values |= answer.facts
+    values = dict(answer.facts)
     if film := known.get("film_parameter"):
         values[Fact.FILM_PARAMETER] = film.value
     values[Fact.ACCEPTABLE_SLIP] = answer.acceptable
