@@ -27,6 +27,7 @@ from rollslip.studies.bounds import (
     LightContacts,
     sample_errors,
 )
+from rollslip.studies.error_estimate import Probe, coarse_assembly
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 BASE = evolve(
@@ -429,6 +430,17 @@ def test_what_was_left_out_is_taken_back_in_beyond_its_bound(name, bound, said):
     assert np.array_equal(result.effective_friction, execute(honest, STUDY).effective_friction)
     (told,) = json.loads(result.attrs["reinstated"])
     assert said in told
+
+
+def test_a_bound_leaves_room_for_the_slips_of_a_run_and_not_for_half_as_much_again():
+    """Beyond what the probe of a plan meets: other slips need a little, and the error grows by as much."""
+    made = plan(evolve(HEAVY, {"accuracy.tolerance": 3e-2}), STUDY)
+    coarse = coarse_assembly(made.assembly)
+    met = Extremes(coarse.traction.full_film)
+    Probe(made.studies[STUDY], coarse).sample(coarse.with_bounds(met), 1)
+    bounds = {type(bound): bound for bound in made.choices[STUDY].left_out}
+    assert 1.0 < bounds[InletHeating].max_thermal_load / met.hottest < 1.5
+    assert 1.0 < met.lightest / bounds[LightContacts].min_mean_load < 1.5
 
 
 def test_models_that_are_compared_keep_all_their_parts():

@@ -95,32 +95,35 @@ from rollslip.studies.bounds import (
 #: Slips of the grid over the range on which maxima are searched. Chosen: a curve has one or two maxima. Twice as
 #: many find maxima that lie closer, at twice the cost.
 _GRID_SLIPS: Final = 13
-#: Every how many slips of that grid the curves are compared, too, which finds errors of friction away from a maximum.
-#: Doubled, two slips remain in place of four, and half as many curves are computed. Chosen: four show the level of a
-#: curve.
+#: Every how many slips of that grid the curves are compared, beside the three slips of each maximum: this finds errors
+#: of friction away from a maximum. Doubled, two slips remain in place of four. Chosen: four show the level of a curve.
 _GRID_STRIDE: Final = 3
-#: Slips on which a maximum is searched again between its neighbours of the grid. They set the step of the parabola, and
-#: how far a vertex may shift between two resolutions before it counts as lost. Doubled, the step is half as long: a
-#: maximum that shifts may leave its three slips. Chosen.
+#: Slips on which a maximum is searched again between its neighbours of the grid, two steps of the grid apart. They set
+#: the step h of the parabola through three slips, whose vertex is off in proportion to h^2. At another resolution it
+#: may shift by a step of the grid before it counts as lost, whatever this number. Doubled, h is half as long, so that
+#: such a vertex is extrapolated further from its three slips, and a maximum costs seven evaluations more. Chosen.
 _REFINED_SLIPS: Final = 7
 #: Height, relative to the largest maximum, from which a maximum counts: finer slices may make it the largest. In
 #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
-#: are spent on maxima that never become the largest.
+#: are spent on maxima that never become the largest; above 1 no maximum counts. Chosen.
 _RIVAL_HEIGHT: Final = 0.7
 #: Difference of values around a maximum, relative to it, up to which they are equal but for rounding: such a curve
-#: is level and has no vertex. Rounding is some 1e-14; from about 1e-6 on real maxima would be dropped.
+#: is level and has no vertex. Half and twice the value have no effect: rounding is some 1e-14, and from about 1e-6 on
+#: real maxima would be dropped. Chosen, between both.
 _LEVEL_ROUNDING: Final = 1e-9
 
 # Fractions of the tolerance of a result: what parts of the error may take, and from where estimates are doubted. All
 # are chosen. They trade the cost of a run against the number of runs that exceed their tolerance; docs/trust/plan has
 # these numbers for random scenes.
 
-#: Of slices and roller positions together before a run. The other half is for tables, models left out and what a
-#: few slips do not show. Doubled, an estimate that is only a little low exceeds the tolerance.
+#: Of slices and roller positions together before a run. The other half is for what `_SIMPLIFICATIONS` may take. What a
+#: few slips do not show is covered only where these take less, and tables by the ``fraction`` that a study passes.
+#: Halved, a run has up to 1.4 times as many slices and positions. Doubled, all parts together may exceed the tolerance.
 _DISCRETISATION_FRACTION: Final = 0.5
 #: Of `_DISCRETISATION_FRACTION` that slices get at least. Positions aim at half of it, and slices get the rest. Only
 #: where the reference resolution has too few positions do they take more; without this limit they would leave nothing,
-#: and slices would be infinitely many. Halved, slices are then made up to 1.4 times as many.
+#: and slices would be infinitely many. Halved, slices are then made up to 1.4 times as many; doubled, they are fewer
+#: than where positions keep their half, although the error is larger. Chosen, below a half.
 _MIN_SLICE_FRACTION: Final = 0.3
 #: By which a closed form may change the curves in place of the law that a scene names. With the two parts of a contact
 #: and `_DISCRETISATION_FRACTION` it adds up to 1. Doubled, a closed form is taken more often, and all errors together
@@ -130,25 +133,23 @@ _LAW_FRACTION: Final = 0.1
 #: value since a steady slip goes with the friction at that slip, and not with the largest friction. Doubled, more is
 #: left out, and all errors together may exceed the tolerance. Chosen.
 _LEFT_OUT_FRACTION: Final = 0.2
-#: Below which an error is believed without its order. Doubled, fewer runs are compared with a third number of
-#: positions, and an order that is worse than expected shows later.
+#: Below which an error is believed without its order, and errors of slices by the slips of the probe alone. Doubled,
+#: fewer runs are compared with a third number of positions, and an order that is lower than assumed is noticed only
+#: nearer to the tolerance. Chosen: an error of three times its estimate keeps the tolerance.
 _CLEAR_FRACTION: Final = 0.3
 #: From which an error that keeps its tolerance by one joint reference may do so by chance, so that a second reference
 #: is computed. Below it the error is believed. Doubled, more runs save the second reference, and more errors that
 #: cancel by chance are missed.
 _CHANCE_FRACTION: Final = 0.15
-#: At which slices and positions aim, each, where a run is made again: both stay below the tolerance together, with
-#: some room for an order that is lower than the observed one.
+#: At which slices and positions aim, each, where a run is made again: both stay below the tolerance together, at 0.7 of
+#: it, with some room for an order that is lower than the observed one. Halved, numbers are twice as
+#: large at order 1; doubled, both together exceed the tolerance.
 _REFINED_FRACTION: Final = 0.35
 
 # Reference solutions; `bounds` has how much finer they are -----------------------------------------------------------
 
-#: Roller positions, at most, on which the error of slices is estimated where it exceeds its tolerance on
-#: `COARSE_POSITIONS`. Doubled, the comparison of runs with many positions takes twice as long. Chosen: as many as the
-#: most of `_POSITION_LADDER`.
-_MAX_SLICE_ERROR_POSITIONS: Final = 12
-#: Slips of the curves of another study, where the result has none. Chosen; twice as many take twice as long
-#: and show a maximum between the slips more exactly.
+#: Slips of the curves of another study, such as those of effective friction for a steady slip, where the result has
+#: none. Halved, an error in a narrow range of slips may be missed; doubled, they take twice as long. Chosen.
 _SAMPLED_SLIPS: Final = 25
 
 # Ladders of a run that is planned ------------------------------------------------------------------------------------
@@ -174,7 +175,8 @@ _SMALL_SLIPS: Final = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
 #: Doubled, a comparison of laws takes twice as long. Chosen.
 _LAW_POSITIONS: Final = 4
 #: Factor by which a quantity may exceed the largest that the probe met before what was left out is reinstated. Chosen;
-#: with 1 nearly every run would start again, as its slips and positions are others. The error grows by about this much.
+#: with 1 or less nearly every run would start again, as its slips and positions are others. The error grows by about
+#: this much: doubled, what was left out may take 2.4 times its fraction of the tolerance without notice.
 _BOUND_MARGIN: Final = 1.2
 #: Part of a contact that is left out, or the law that has a closed form -> how the change of the curves is measured,
 #: and the fraction of the tolerance that it may take. A closed form is measured by the largest friction of each curve,
@@ -201,7 +203,8 @@ _NUMBER_NAMES: Final = {"slices": "slices", "n_positions": "roller positions"}
 #: Parts of a contact that may be left out, as fields of a resolution.
 _CONTACT_PARTS: Final = ("inlet_heating", "light_contacts")
 #: How many times as many slices or positions a run has at most that is made again. Chosen; with 8 a doubtful order may
-#: ask for far more than is needed, while a run that is still off after 4 is made again anyway.
+#: ask for far more than is needed, while a run that is still off after 4 is made again anyway. With 2 no error of
+#: order 1 that exceeds its tolerance would reach its aim.
 _MAX_FACTOR: Final = 4.0
 #: Slices of all rollers over an orbit at most with which a run is made again: some seconds of effective friction, and
 #: up to a minute of steady slips with their check. Beyond, the error is only reported. Doubled, such runs take up to
@@ -801,7 +804,7 @@ class _ReferenceComparison:
         """Return the errors of slices on coarse positions, and of positions on coarse slices.
 
         Where they exceed the tolerance, they are estimated again with the positions and slices of the run, those of
-        slices on `_MAX_SLICE_ERROR_POSITIONS` at most.
+        slices on the largest number of `_POSITION_LADDER` at most: with more the comparison takes longer.
         """
         errors = dict[str, Errors]()
         orders = dict[str, float]()
@@ -820,7 +823,7 @@ class _ReferenceComparison:
         ):
             errors["n_positions"] = self.position_errors(self.assembly, orders)
         if "slices" in errors and m > COARSE_POSITIONS and exceeding(estimate.total, self.accuracy):
-            errors["slices"] = self.slice_errors(min(m, _MAX_SLICE_ERROR_POSITIONS))
+            errors["slices"] = self.slice_errors(min(m, _POSITION_LADDER[-1]))
         return estimate
 
     def with_joint_errors(self, estimate: ErrorEstimate) -> ErrorEstimate:
