@@ -1,6 +1,7 @@
 """The loading branch of the rollers: against a plain march, motion in time, and what holds whatever the bearing."""
 
 import math
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -758,6 +759,16 @@ def test_a_driven_cage_is_found_by_doubling_its_slip_from_a_small_one():
     (steady,) = branch.find_steady_motions(lambda _: 0.6)
     assert steady.slip == pytest.approx(-0.6, rel=1e-9)
     assert motions.count - count == 17 + 1
+
+
+def test_a_slip_of_twice_a_likely_one_is_found_without_a_search_of_five_times_that():
+    motions = Torques(slip_from_logit)
+    searched = SimpleNamespace(
+        loading_branch=lambda end: find_loading_branch(motions, end, motions), drag=lambda _: -0.02
+    )
+    branch, (steady,) = TorqueBalance.steady_motions(searched, RANGE, 0.01)
+    assert steady.slip == pytest.approx(0.02)
+    assert branch.end < 5.0 * 0.01
 
 
 def test_a_steady_slip_is_found_to_ten_digits():

@@ -1,5 +1,6 @@
 """What is made of a balance of torques: reserves and their words, positions, and curves of effective friction."""
 
+import contextlib
 import math
 from types import SimpleNamespace
 
@@ -8,9 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
+from rollslip.errors import DomainError
 from rollslip.results.text import Status
+from rollslip_studies.motion import torque_balance as module
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import (
@@ -166,6 +170,44 @@ def test_rollers_are_followed_on_56_to_512_positions():
         196,
         532,
     ]
+
+
+@pytest.mark.parametrize("number", [1, 20])
+def test_the_time_of_a_loading_branch_is_estimated_within_a_factor_of_two(number, monkeypatch):
+    """By a clock that counts the positions of orbits at which motions are found: without and with a jump."""
+    counts = []
+    find = Motions.find
+
+    def counted(motions, slips, starts=None):
+        counts.append(slips.size * motions.positions)
+        return find(motions, slips, starts)
+
+    monkeypatch.setattr(Motions, "find", counted)
+    clock = SimpleNamespace(process_time=lambda: float(sum(counts)))
+    monkeypatch.setattr(module, "time", clock)
+    one = scenes.balance(scenes.free(number))
+    estimate = one.seconds()
+    counts.clear()
+    assert one.loading_branch().maximum_error < 0.03
+    assert 0.5 < estimate / sum(counts) < 2.0
+
+
+@pytest.mark.parametrize("limit", [0.0, 1e-3])
+def test_a_law_with_values_up_to_a_thousandth_is_found_by_ten_halvings_of_the_range(
+    limit, monkeypatch
+):
+    tried = []
+
+    def find(motions, slips):
+        tried.append(slips.max())
+        if tried[-1] > limit:
+            raise DomainError("no value")
+
+    monkeypatch.setattr(Motions, "find", find)
+    expected = contextlib.nullcontext() if limit else pytest.raises(DomainError)
+    with expected:
+        scenes.balance(scenes.free(1)).seconds()
+    assert len(tried) == 1 + 10
 
 
 @pytest.mark.parametrize("driven", ["inner", "outer"])

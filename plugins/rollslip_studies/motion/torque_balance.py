@@ -49,37 +49,35 @@ from rollslip_studies.motion.spins import (
 
 # The time of a loading branch is estimated from that of some of its slips.
 
-#: Number of slips whose time is measured. Doubling it doubles the time of the estimate; chosen, so that these take
-#: about a tenth of the search.
+#: Number of slips whose time is measured, from the smallest of the branch on. Doubling it doubles the time of the
+#: estimate, and `_COST_WHOLE` had to be halved; chosen, so that these take about a tenth of the search.
 _COST_SLIPS: Final = 6
-#: Logit of the smallest slip that is measured, 1.2e-4. Doubling it has no effect on the time of a slip; chosen, near
-#: the smallest slip of the branch.
-_COST_LOWEST_LOGIT: Final = -9.0
 #: Ratio of the time of the whole search, with its maxima, to that of the measured slips: 5 to 20, and 9 in the median,
 #: of 34 random bearings. The estimate is proportional to it.
 _COST_WHOLE: Final = 10.0
 #: Further ratio without a cage, where neighbours brake each other; 5 to 34 in five bearings.
 _COST_NEIGHBOURS: Final = 14.0
-#: Smallest range of slips in which a law without a value is assumed to have one further below. Doubling it gives up
-#: one halving earlier; chosen.
+#: Range of slips below which a law without a value is assumed to have none further below. Doubling it gives up one
+#: halving earlier; chosen, ten halvings of `RANGE`.
 _COST_MIN_RANGE: Final = 1e-3
 
 #: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; chosen,
 #: because the change by four times as many positions is part of stated errors, 1.4e-3 in the median of 79 bearings.
 _MIN_ORBIT_POSITIONS: Final = 56
-#: Number of positions of an orbit up to which a requested number of roller positions within a pitch counts; more are
-#: not used. Doubling it doubles the time of such a request and changes no other; chosen, nine times the minimum.
+#: Largest number of positions of an orbit: a larger request is cut to the next number of roller positions within a
+#: pitch that makes as many. Doubling it doubles the time of such a request and changes no other; chosen, nine times
+#: the minimum.
 _MAX_ORBIT_POSITIONS: Final = 512
 #: Slips, relative to the end of a loading branch, at which validity ranges of laws are checked. Twice as many would
 #: double the time of that; chosen, denser at small slips, where friction rises.
 _CHECKED_SLIPS: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
-#: Fraction of the limit drag below which a cage is far from skidding, whatever the error of effective friction.
-#: Doubling it would never compare both frictions; half of the limit drag is twice the largest error, 23 %
-#: (docs/tables/skidding_effective_summary.csv).
+#: Fraction of the limit drag below which a cage is far from skidding, whatever the error of effective friction: with
+#: the largest error e, 23 % (docs/tables/skidding_effective_summary.csv), both frictions have to be compared from
+#: 1 - 2 e on, 54 %. Half the value compares them more often; twice the value never below the limit drag.
 _FAR: Final = 0.5
 #: Tolerance of effective friction curves in a torque balance, over that of other tables. Half and twice the value
-#: change largest torques of eight bearings by up to 6e-6, and cost 1 % less and 15 % less; chosen, so that the error of
-#: a curve does not count beside that of effective friction.
+#: change largest torques of eight bearings by up to 6e-6, ten times the value those of six bearings by up to 3e-5, in
+#: half the time; chosen, so that the error of a curve does not count beside that of effective friction.
 _CURVE_TOLERANCE_FRACTION: Final = 0.1
 #: Slip from which on the cage hardly turns, so that no larger range is proposed. Chosen, just below `RANGE`.
 _NEARLY_STILL: Final = 0.94
@@ -232,7 +230,7 @@ class TorqueBalance:
         start = time.process_time()
         motions = self._reduced_motions
         loaded = time.process_time()
-        logits = np.linspace(_COST_LOWEST_LOGIT, logit_slip(max_slip), _COST_SLIPS)
+        logits = np.linspace(logit_slip(SEARCH.smallest_slip), logit_slip(max_slip), _COST_SLIPS)
         try:
             motions.find(np.array([slip_from_logit(logit) for logit in logits.tolist()]))
         except DomainError:
