@@ -686,9 +686,10 @@ def test_samples_on_finer_positions_are_extended_as_often_as_is_allowed(extensio
 class TwoMotions(Torques):
     """Motions from both rings at one slip, where a march from a start reaches another one, converged or not."""
 
-    def __init__(self, is_converged):
+    def __init__(self, is_converged, reached=1.0):
         super().__init__(lambda logit: 1.0)
         self.is_converged = is_converged
+        self.reached = reached
 
     def find(self, slips, starts=None):
         found = super().find(slips)
@@ -697,7 +698,11 @@ class TwoMotions(Torques):
             here.append(other)
             if starts is not None:
                 here[:] = [
-                    attrs.evolve(other, normalised_slip=np.ones(1), converged=self.is_converged)
+                    attrs.evolve(
+                        other,
+                        normalised_slip=np.full(1, self.reached),
+                        converged=self.is_converged,
+                    )
                 ]
         return found
 
@@ -711,6 +716,40 @@ def test_a_march_replaces_the_nearest_motion_only_if_it_converges(is_converged):
     branch = _Search(motions, motions).follow([0.1, 0.2])
     assert branch[1].normalised_slip == (1.0 if is_converged else 0.0)
     assert branch[1].converged
+
+
+@pytest.mark.parametrize(("distance", "is_other"), [(0.014, False), (0.028, True)])
+def test_a_march_to_within_a_fiftieth_of_the_distance_of_both_rings_is_the_same_motion(
+    distance, is_other
+):
+    motions = TwoMotions(is_converged=True, reached=distance)
+    branch = _Search(motions, motions).follow([0.1, 0.2])
+    assert branch[1].normalised_slip == (distance if is_other else 0.0)
+
+
+@pytest.mark.parametrize(("distance", "is_continuous"), [(0.1, True), (0.2, False)])
+def test_a_motion_continues_where_slips_change_fast_and_not_from_ring_to_ring(
+    distance, is_continuous
+):
+    """A tenth of the distance of rolling on both rings is fast; a fifth of the load on the other ring is a gap."""
+    below, motion = curve(1.0, 1.0)
+    motions = SimpleNamespace(distance=lambda *_: distance)
+    assert Motions.mark_continuity(motions, below, motion).is_continuous == is_continuous
+
+
+@pytest.mark.parametrize(("error", "converged"), [(0.007, True), (0.014, False)])
+def test_a_motion_of_first_order_counts_up_to_an_error_of_a_hundredth(
+    error, converged, monkeypatch
+):
+    """Where it replaces Newton's method, as if that had found another motion."""
+    monkeypatch.setattr(spins, "CONTINUES", -1.0)
+    monkeypatch.setattr(
+        Motions,
+        "_march_second_order",
+        lambda _, spins, slips, rows, marched, *__: (marched, 0.0, 1.0, error),
+    )
+    ((motion,),) = scenes.balance(scenes.free(20)).motions.find(np.array([0.1]), np.zeros(1))
+    assert (motion.error, motion.converged) == (error, converged)
 
 
 @pytest.mark.parametrize(("fall", "is_jump"), [(0.015, False), (0.03, True)])
