@@ -673,6 +673,16 @@ def test_a_maximum_that_finer_positions_have_far_beyond_is_followed():
     assert jump.drag == pytest.approx(1.0, rel=1e-3)
 
 
+def test_a_maximum_where_no_torque_drives_on_finer_positions_has_an_unknown_error():
+    motions = Torques(
+        lambda logit: math.exp(-((logit + 2.0) ** 2)),
+        fine=Torques(lambda logit: -((logit + 2.05) ** 2)),
+    )
+    (jump,) = find_loading_branch(motions, 0.9, motions).jumps
+    assert jump.drag == pytest.approx(1.0, rel=1e-3)
+    assert jump.error == math.inf
+
+
 @pytest.mark.parametrize("extensions", [1, 3])
 def test_samples_on_finer_positions_are_extended_as_often_as_is_allowed(extensions, monkeypatch):
     monkeypatch.setattr(loading_branch, "SEARCH", attrs.evolve(SEARCH, max_extensions=extensions))

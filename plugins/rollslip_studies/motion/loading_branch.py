@@ -541,7 +541,7 @@ class _Search:
     def _find_fine_vertex(
         self, start: Motion, logit: float, half_width: float, end: float
     ) -> _Maximum | None:
-        """A smooth maximum on four times as many positions, up to ``end``; None if marches do not converge there.
+        """A smooth maximum on four times as many positions, up to ``end``; None if marches fail, or nothing drives.
 
         The first three samples are around the coarse maximum. While the largest one is at an end of all, there is one
         more beyond that end, each time twice as far.
@@ -554,7 +554,7 @@ class _Search:
             samples |= {
                 x: motion for x, motion in zip(logits, found, strict=True) if motion.converged
             }
-            if len(samples) < 2 or max(motion.torque for motion in samples.values()) == 0.0:
+            if len(samples) < 2 or max(motion.torque for motion in samples.values()) <= 0.0:
                 return None
             distance *= 2.0
             first, *_, last = sorted(samples)
@@ -576,7 +576,7 @@ class _Search:
             found = self._fine_motions.find_from([slip_from_logit(x) for x in logits], motion)
             torques = [fine.torque if fine.converged else -math.inf for fine in found]
             top = int(np.argmax(torques))
-            if not 0 < top < n - 1 or torques[top] == 0.0:
+            if not 0 < top < n - 1 or torques[top] <= 0.0:
                 break
             low = logits[top - 1]
             high = logits[top + 1]
