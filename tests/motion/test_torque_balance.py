@@ -1,6 +1,5 @@
 """What is made of a balance of torques: reserves and their words, positions, and curves of effective friction."""
 
-import contextlib
 import math
 from types import SimpleNamespace
 
@@ -12,7 +11,6 @@ from hypothesis import strategies as st
 import loading_branch_scenes as scenes
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import DomainError
 from rollslip.results.text import Status
 from rollslip_studies.motion import torque_balance as module
 from rollslip_studies.motion.effective_table import EffectiveTable
@@ -190,24 +188,6 @@ def test_the_time_of_a_loading_branch_is_estimated_within_a_factor_of_two(number
     counts.clear()
     assert one.loading_branch().maximum_error < 0.03
     assert 0.5 < estimate / sum(counts) < 2.0
-
-
-@pytest.mark.parametrize("limit", [0.0, 1e-3])
-def test_a_law_with_values_up_to_a_thousandth_is_found_by_ten_halvings_of_the_range(
-    limit, monkeypatch
-):
-    tried = []
-
-    def find(motions, slips):
-        tried.append(slips.max())
-        if tried[-1] > limit:
-            raise DomainError("no value")
-
-    monkeypatch.setattr(Motions, "find", find)
-    expected = contextlib.nullcontext() if limit else pytest.raises(DomainError)
-    with expected:
-        scenes.balance(scenes.free(1)).seconds()
-    assert len(tried) == 1 + 10
 
 
 @pytest.mark.parametrize("driven", ["inner", "outer"])

@@ -13,7 +13,6 @@ from rollslip.studies.error_estimate import (
     _SIMPLIFICATIONS,
     DiscretisedStudy,
     Probe,
-    _ReferenceComparison,
     choose_slices_and_positions,
 )
 
@@ -96,58 +95,19 @@ def bearing(resolution):
 
 
 class Coarse(Study):
-    """A study whose curve is off by A/n^2 on n slices, and by B/m^2 on m positions; B is 0."""
+    """A study whose curve is off by 3/n^2 on n slices, and by B/m^2 on m positions."""
 
     is_averaged = True
-    of_slices = 3.0
-    of_positions = 0.0
 
     def curves(self, assembly, slip, n_positions):
-        of_slices = 1.0 + self.of_slices / assembly.resolution.slices**2
-        return np.array(
-            [[of_slices * (1.0 + self.of_positions / m**2) * self.curve(slip)] for m in n_positions]
-        )
-
-
-class Jumping(Coarse):
-    """The same, far off on as many positions as there may be."""
-
-    of_positions = 1e6
-
-
-def chosen_slices(study):
-    """The number of slices that a plan chooses."""
-    choice, *_ = choose_slices_and_positions(study, bearing(Resolution(slices=1000)), 1.0)
-    return choice.resolution.slices
+        curve = peaks((0.5, 1.0))(slip) * (1.0 + 3.0 / assembly.resolution.slices**2)
+        return np.array([[curve * (1.0 + self.curve / m**2)] for m in n_positions])
 
 
 def test_positions_that_exceed_their_half_of_an_error_make_slices_at_most_half_as_many_again():
     """Nor fewer than where they take that half, which makes slices 2^(1/2) times as many."""
-    alone, capped = (chosen_slices(study(peaks((0.5, 1.0)))) for study in (Coarse, Jumping))
-    assert 2**0.5 <= capped / alone <= 1.5 * 2**0.5
-
-
-class Sampled(Study):
-    """A study whose curves another one takes, at as many slips as it sets."""
-
-    def with_settings(self, points):
-        self.computed.append(points)
-        return self
-
-
-def test_curves_of_another_study_show_twentieths_of_the_range_and_cost_no_more_than_two_maxima():
-    """Those are found by forty slips; what is off in less than a twentieth of the root of the slip may be missed."""
-    study = Sampled(peaks((0.5, 1.0)))
-    run = bearing(Resolution(slices=12))
-    comparison = _ReferenceComparison(
-        study=None,
-        curve_study=study,
-        assembly=run,
-        coarse=run,
-        dataset=None,
-        accuracy=run.scene.accuracy,
-        complete_parts={},
+    alone, capped = (
+        choose_slices_and_positions(Coarse(B), bearing(Resolution()), 1.0)[0].resolution.slices
+        for B in (0.0, 1e6)
     )
-    comparison.solution(run, 1)
-    assert np.diff(np.sqrt(slip_grid(1.0, study.computed[0]))).max() <= 1.0 / 20.0
-    assert study.computed[0] <= 40
+    assert 2**0.5 <= capped / alone <= 1.5 * 2**0.5

@@ -146,12 +146,6 @@ _CHANCE_FRACTION: Final = 0.15
 #: large at order 1; doubled, both together exceed the tolerance.
 _REFINED_FRACTION: Final = 0.35
 
-# Reference solutions; `bounds` has how much finer they are -----------------------------------------------------------
-
-#: Slips of the curves of another study, such as those of effective friction for a steady slip, where the result has
-#: none. Halved, an error in a narrow range of slips may be missed; doubled, they take twice as long. Chosen.
-_SAMPLED_SLIPS: Final = 25
-
 # Ladders of a run that is planned ------------------------------------------------------------------------------------
 
 #: Slices of the ladder; the others are compared with the last. The first is the coarsest that a plan chooses. Twice as
@@ -710,7 +704,8 @@ class _ReferenceComparison:
         study = self.curve_study
         stride = 1
         if study is not self.study:
-            study = study.with_settings(points=_SAMPLED_SLIPS)
+            # the result has no curves: those of the other study on the grid of the probe, its intervals halved
+            study = study.with_settings(points=2 * _GRID_SLIPS - 1)
         if dense and (points := getattr(study, "points", 0)):
             study = study.with_settings(points=reference_slips(points))
             stride = SLIP_FACTOR

@@ -57,9 +57,6 @@ _COST_SLIPS: Final = 6
 _COST_WHOLE: Final = 10.0
 #: Further ratio without a cage, where neighbours brake each other; 5 to 34 in five bearings.
 _COST_NEIGHBOURS: Final = 14.0
-#: Range of slips below which a law without a value is assumed to have none further below. Doubling it gives up one
-#: halving earlier; chosen, ten halvings of `RANGE`.
-_COST_MIN_RANGE: Final = 1e-3
 
 #: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; chosen,
 #: because the change by four times as many positions is part of stated errors, 1.4e-3 in the median of 79 bearings.
@@ -225,7 +222,8 @@ class TorqueBalance:
         """Return an estimate of the processor time [s] of the loading branch up to a cage slip.
 
         It is the measured time of loads and contacts, and a multiple of that of the motions at some slips. Where a law
-        has no value at one of these the branch ends early, so that the time is that of half the range.
+        has no value at one of these the branch ends early, so that the time is that of half the range. It is halved as
+        long as it contains the smallest slip of the search.
         """
         start = time.process_time()
         motions = self._reduced_motions
@@ -234,7 +232,7 @@ class TorqueBalance:
         try:
             motions.find(np.array([slip_from_logit(logit) for logit in logits.tolist()]))
         except DomainError:
-            if max_slip < _COST_MIN_RANGE:
+            if max_slip < SEARCH.smallest_slip:
                 raise
             return self.seconds(0.5 * max_slip)
         ratio = _COST_WHOLE * (_COST_NEIGHBOURS if motions.rubbing else 1.0)
