@@ -104,7 +104,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so(as_planned):
     assert made.choices[STUDY].resolution.n_positions == 24
     assert result.attrs["n_positions"] == 128
     assert json.loads(result.attrs["resolution"])["n_positions"] == 128
-    fine = finer(made.studies[STUDY], JUMPS, resolution, 8)
+    fine = finer(made.studies[STUDY], JUMPS, resolution, 4)
     before, after = (
         errors_between(made.studies[STUDY].controlled_outputs, one, fine)["friction"]
         for one in (as_planned, result)
@@ -423,37 +423,41 @@ def test_what_both_move_is_made_good_by_the_part_that_leaves_it():
 #: Contacts that carry load where the dry bodies touch. By the film a roller is carried along more of its length, which
 #: 8 slices and 45 resolve: 0.25 % and 0.27 % off in place of 1.3 % and 1.4 %.
 DRY = {"models.approach": "dry"}
-#: Number of an answer -> number of a random scene (0: the gearbox, dry) in which 8 slices change it, and its variable.
+#: Number of a random scene in which few slices and positions change numbers of an answer -> slices, positions, and the
+#: numbers with their variables. In the first one the cage slips more than is acceptable.
 SEEN = {
-    "friction torque": (100_100, "friction_torque"),
-    "minimum load": (0, "minimum_load"),
-    "film parameter": (
-        100_064,
-        "film_parameter",
-    ),  # rollers all but stand, by a slip that is off by 1e-3 and less
-    "limit drag torque": (100_086, "limit_drag"),
-    "reserve to slipping": (
-        100_140,
-        "acceptable_reserve",
-    ),  # below zero: the cage slips more than is acceptable
+    100_140: (
+        8,
+        5,
+        {
+            "friction torque": "friction_torque",
+            "minimum load": "minimum_load",
+            "film parameter": "film_parameter",
+            "reserve to slipping": "acceptable_reserve",
+        },
+    ),
+    100_086: (6, 4, {"limit drag torque": "limit_drag"}),
 }
 
 
-@pytest.mark.parametrize("name", SEEN)
-def test_numbers_of_an_answer_that_other_slices_move_are_seen(name):
-    """With 8 slices, where the driving torque may be right to a thousandth."""
-    number, variable = SEEN[name]
-    one = loading_branch_scenes.wide(number) if number else evolve(load_scene("gearbox"), DRY)
+@pytest.mark.parametrize("number", SEEN)
+def test_numbers_of_an_answer_that_other_slices_move_are_seen(number):
+    """With few slices, where the driving torque may be right to a thousandth."""
+    slices, n_positions, variables = SEEN[number]
     changes = {"accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"}
-    made = plan(evolve(one, changes, si=True), "steady-slip")
-    resolution = attrs.evolve(made.choices["steady-slip"].resolution, slices=8, n_positions=5)
+    scene = evolve(loading_branch_scenes.wide(number), changes, si=True)
+    made = plan(scene, "steady-slip")
+    resolution = attrs.evolve(
+        made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
+    )
     result = execute(made.at("steady-slip", resolution), "steady-slip", fixed_resolution=True)
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
-    reference_resolution = attrs.evolve(resolution, slices=100, quadrature="gauss", n_positions=15)
+    reference_resolution = attrs.evolve(resolution, slices=64, quadrature="gauss", n_positions=12)
     fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
-    actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
-    assert actual > 3e-3
-    assert 0.3 * actual <= rows[name] <= 5.0 * actual
+    for name, variable in variables.items():
+        actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
+        assert actual > 3e-3, name
+        assert 0.3 * actual <= rows[name] <= 5.0 * actual, name
 
 
 @pytest.mark.parametrize(
@@ -477,7 +481,7 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     assert resolution.quadrature == "equal"
     result = execute(made.at("steady-slip", resolution), "steady-slip", fixed_resolution=True)
     reference_resolution = attrs.evolve(
-        resolution, slices=8 * slices + 1, quadrature="gauss", n_positions=4 * n_positions + 1
+        resolution, slices=4 * slices + 1, quadrature="gauss", n_positions=2 * n_positions + 1
     )
     fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
     actual = abs(float(result[variable].min()) / float(fine[variable].min()) - 1.0)
@@ -492,14 +496,15 @@ def test_a_skidding_slip_is_compared_as_it_is_told_and_not_as_the_maximum_of_a_c
         new("NU1012", oil="iso-vg-32", speed="8000 rpm", load="800 N", temperature="80 degC"),
         {"study.steady-slip.pockets": "set", "study.steady-slip.points": 6, **DRY},
     )
-    result = run(scene, "steady-slip")
+    made = plan(scene, "steady-slip")
+    result = execute(made, "steady-slip")
     resolution = json.loads(result.attrs["resolution"])
     assert not any("seen" in part["reason"] for part in json.loads(result.attrs["plan"]))
     found = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     assert found["critical_slip"] is None
     assert found["skidding slip"] == 0.0
-    finer = Resolution(**resolution | {"slices": 4 * resolution["slices"], "n_positions": 21})
-    fine = plan(scene, "steady-slip").studies["steady-slip"].run(assemble(scene, finer))
+    finer = Resolution(**resolution | {"slices": 2 * resolution["slices"], "n_positions": 12})
+    fine = made.studies["steady-slip"].run(assemble(scene, finer))
     assert float(result.limit_drag) == pytest.approx(float(fine.limit_drag), rel=1e-2)
     # the range in which the torque is within a thousandth of its maximum
     assert float(result.limit_drag_low) < float(fine.skidding_slip) < float(result.limit_drag_high)
@@ -551,10 +556,13 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     reference_resolution = attrs.evolve(
         own, slices=4 * own.slices + 1, quadrature="gauss", n_positions=4 * own.n_positions + 1
     )
-    fine = made.studies["steady-slip"].run(assemble(made.scene, reference_resolution))
-    assert "skids" in str(fine.minimum_load_status.item())
+    fine, _ = made.studies["steady-slip"].partial_result(
+        assemble(made.scene, reference_resolution),
+        frozenset({"minimum_load", "minimum_load_status"}),
+    )
+    assert "skids" in fine["minimum_load_status"][1]
     assert "skids" not in str(result.minimum_load_status.item())
-    actual = abs(float(result["minimum_load"]) / float(fine["minimum_load"]) - 1.0)
+    actual = abs(float(result["minimum_load"]) / float(fine["minimum_load"][1]) - 1.0)
     assert actual > 1e-2
     rows = {row["result"]: row["found"] for row in json.loads(result.attrs["accuracy"])}
     assert 0.8 * actual <= rows["minimum load"] <= 3.0 * actual
