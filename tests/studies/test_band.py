@@ -18,6 +18,7 @@ from loading_branch_scenes import catalogue
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import ConvergenceError
+from rollslip.planning.execution import execute
 from rollslip.planning.new_scene import new
 from rollslip.results.accounts import _varied_quantity, account_of
 from rollslip.results.answer import collect_notes
@@ -183,9 +184,9 @@ def test_a_quantity_at_which_no_slip_can_be_computed_is_left_out_of_the_band(mon
     assert bands(uncertain(SCENE, **table), 0.0077) == {}
 
 
-@pytest.mark.parametrize("number", [350_005, 350_013, 350_031])
+@pytest.mark.parametrize("number", [350_005, 350_031])
 def test_slips_of_few_graded_slices_are_those_of_many(number):
-    """Of 20 bearings with profile these were farthest from 400 slices with 12 equal ones: 29, 21 and 41 %."""
+    """Of 20 bearings with profile these were farthest from 400 slices with 12 equal ones: 29 and 41 %."""
     scene = catalogue(number)
     few = band._coarse_assembly(scene)
     many = few.at(attrs.evolve(few.resolution, slices=400, quadrature="equal"))
@@ -267,7 +268,13 @@ def test_a_driven_cage_has_a_band_up_to_slips_at_which_drags_brake_it():
     """A turning outer ring carries unloaded rollers along; more oil between them brakes."""
     turned = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "3000 rpm"}
     bearing = new("NU310", oil="iso-vg-100", speed="1 rpm", load="600 N", temperature="80 degC")
-    dataset = of_run(rollslip.evolve(bearing, turned | {"accuracy.slices": 21}))
+    coarse = {
+        "accuracy.slices": 9,
+        "accuracy.tolerance": 0.05,
+        "study.steady-slip.points": 9,
+        "study.steady-slip.acceptable_slip": 0.02,
+    }
+    dataset = of_run(rollslip.evolve(bearing, turned | coarse))
     band = json.loads(dataset.attrs["band"])["steady_slip"]
     assert band["low"] == float(dataset["steady_slip"][0]) < -0.01
     assert 1e-3 < band["high"] < 0.05
@@ -350,6 +357,8 @@ def test_the_command_tells_bands_beside_its_numbers(tmp_path):
         "steady-slip",
         "--set",
         "study.steady-slip.acceptable_slip=0.02",
+        "--set",
+        "accuracy.slices=9",
         *SET_COARSE,
     ]
     done = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "o"), "--no-plots"])
@@ -364,10 +373,9 @@ def test_the_command_tells_bands_beside_its_numbers(tmp_path):
 
 
 #: Keys of quantities that scatter -> largest difference of the logarithm of slips with play from those of runs, in dry
-#: contacts; found are 0.056, 0.011, 0.145 and 0.027. By the film play adds more of the slip: churning's is 0.071.
+#: contacts; found are 0.056, 0.145 and 0.027. By the film play adds more of the slip: churning's is 0.071.
 CHANGED = {
     "cage.drag.churning.factor": 0.06,
-    "cage.drag.rolling-resistance.factor": 0.09,
     "lubricant.pressure_viscosity_factor": 0.15,
     "cage.pocket_clearance": 0.05,
 }
@@ -375,31 +383,38 @@ CHANGED = {
 
 @pytest.fixture(scope="module")
 def with_play():
-    """A scene, and the changes of its slip by what scatters."""
+    """The plan of a scene, its result, and the changes of its slip by what scatters."""
     scene = rollslip.evolve(
         load_scene("gearbox"),
-        {"accuracy.slices": 9, "accuracy.tolerance": 0.02, "models.approach": "dry"},
+        {
+            "accuracy.slices": 9,
+            "accuracy.tolerance": 0.02,
+            "models.approach": "dry",
+            "study.steady-slip.points": 9,
+        },
     )
-    found = of_run(scene)
+    made = rollslip.plan(scene, "steady-slip")
+    found = with_bands(scene, execute(made, "steady-slip"))
     changes = json.loads(found.attrs["band"])["steady_slip"]["changes"]
-    return scene, found, {row["key"]: row for row in changes}
+    return made, found, {row["key"]: row for row in changes}
 
 
 @pytest.mark.parametrize("key", CHANGED)
 def test_slips_with_play_are_those_of_runs_at_other_values(key, with_play):
-    scene, _, changes = with_play
+    made, _, changes = with_play
+    resolution = made.choices["steady-slip"].resolution
     for value, slip in zip(changes[key]["ends"], changes[key]["values"], strict=True):
-        made = rollslip.plan(rollslip.evolve(scene, {key: value}, si=True), "steady-slip")
+        scene = rollslip.evolve(made.scene, {key: value}, si=True)
         # the slip alone, which is that of a run
         variables, _ = made.studies["steady-slip"].partial_result(
-            made.assemblies["steady-slip"], frozenset({"steady_slip"})
+            assemble(scene, resolution), frozenset({"steady_slip"})
         )
         (of_run,) = variables["steady_slip"][1]
         assert math.log(slip / of_run) == pytest.approx(0.0, abs=CHANGED[key])
 
 
 def test_the_band_reaches_to_bars_of_metal_and_to_other_play(with_play):
-    scene, found, changes = with_play
+    made, found, changes = with_play
     slip = float(found.steady_slip[0])
     without = float(found.slip_without_play)
     low, high = changes["cage.pocket_contact"]["values"]
@@ -407,7 +422,7 @@ def test_the_band_reaches_to_bars_of_metal_and_to_other_play(with_play):
     assert without < low < slip
     band = json.loads(found.attrs["band"])["steady_slip"]
     stated = {"cage.pocket_contact": "film", "cage.pocket_clearance": "475 um"}
-    certain = of_run(rollslip.evolve(scene, stated, si=True))
+    certain = with_bands(rollslip.evolve(made.scene, stated, si=True), found)
     narrower = json.loads(certain.attrs["band"])["steady_slip"]
     assert not {"cage.pocket_contact", "cage.pocket_clearance"} & {
         row["key"] for row in narrower["changes"]
