@@ -16,7 +16,6 @@ from scipy.interpolate import CubicSpline
 
 import loading_branch_scenes
 import recorded
-import rollslip
 from rollslip import plan
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
@@ -919,8 +918,9 @@ def test_slip_over_load_goes_through_the_run_and_near_runs_at_other_loads():
     assert load[0] < 0.6 * float(found.minimum_load)
     assert load[-1] > float(found.makers_minimum_load.max())
     scene = evolve(load_scene("gearbox"), {"operation.radial_load": 2200.0}, si=True)
-    there = rollslip.run(evolve(scene, {"accuracy.slices": 7}), "steady-slip")
-    assert at(2200.0) == pytest.approx(float(there.steady_slip[0]), rel=0.25)  # for the eye
+    assembly = assemble(evolve(scene, {"accuracy.slices": 7}))
+    there, _ = SteadySlip().partial_result(assembly, frozenset({"steady_slip"}))
+    assert at(2200.0) == pytest.approx(there["steady_slip"][1][0], rel=0.25)  # for the eye
 
 
 def test_slips_over_load_have_the_minimum_loads_and_say_which_are_beyond_the_axis():
@@ -1096,7 +1096,6 @@ def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
 #: Drags, and how many steady slips there are.
 SHORT_WAYS = {
     "land": ({}, 1),
-    "thin oil": ({"operation.temperature": "90 degC"}, 1),
     "two": (
         {
             "operation.temperature": "30 degC",
@@ -1112,9 +1111,12 @@ SHORT_WAYS = {
 @pytest.mark.parametrize("name", SHORT_WAYS)
 def test_steady_slips_alone_are_those_of_the_whole_study(name):
     changes, count = SHORT_WAYS[name]
-    scene = evolve(SHIPPED, {"accuracy.slices": 9, "models.approach": "dry", **changes}, si=True)
+    scene = evolve(SHIPPED, {"accuracy.slices": 5, "models.approach": "dry", **changes}, si=True)
     assembly = assemble(scene)
-    study = SteadySlip(acceptable_slip=None, points=8)
+    assembly = assembly.at(attrs.evolve(assembly.resolution, n_positions=4))
+    # the march of rollers with play takes most of the time
+    pockets = "play" if name == "two" else "set"
+    study = SteadySlip(acceptable_slip=None, points=8, pockets=pockets)
     whole = study.completed(assembly, study.run(assembly))
     alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))
     found = np.asarray(alone["steady_slip"][1])
