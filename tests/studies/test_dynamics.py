@@ -176,7 +176,7 @@ def test_a_steady_motion_has_a_reserve_to_skidding_and_a_verdict():
         {f"study.dynamics.{name}": value for name, value in settings.items()},
         si=True,
     )
-    found = rollslip.run(scene, "dynamics")
+    found = execute(plan(scene, "dynamics"), "dynamics")
     slip = found.attrs["steady_cage_slip"]
     assert found.attrs["steady_status"] == "steady"
     assert 0.01 < slip < 0.03
@@ -272,7 +272,7 @@ def test_a_smaller_tolerance_brings_the_answer_nearer(level, friction):
             bearing(brake(0.3)),
             level,
             friction,
-            duration=0.02 if level == "cage-set" else 0.003,
+            duration=0.02 if level == "cage-set" else 0.001,
             points=21,
             cage_slip=0.1,
             roller_slip=0.1,
@@ -430,7 +430,7 @@ def test_film_is_known_to_conventional_friction_alone():
 # The result ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("level", ["cage-set", "planar"])
 def test_a_result_says_what_it_holds_and_can_be_stored(level, tmp_path):
     scene = evolve(
         SHIPPED,
