@@ -147,7 +147,7 @@ def evaluations(study, integrator, few=None):
 
 @pytest.mark.parametrize("level", ["pocket", "planar"])
 def test_where_rollers_hit_their_pockets_and_little_is_damped_an_explicit_one_serves(level):
-    study = Dynamics(level=level, duration=0.03, points=11, planar=PLANAR)
+    study = Dynamics(level=level, duration=0.015, points=11, planar=PLANAR)
     found = choose_motion(study, bearing(), others("integrator"))
     assert found.settings == {"integrator": "leapfrog"}
     assert damped(study, bearing(), 0.02) < 0.05
@@ -241,8 +241,8 @@ def test_the_choice_of_an_integrator_is_not_one_of_time():
     [
         ("cage-set", "effective", 1.0),
         ("cage-set", "conventional", 0.5),
-        ("pocket", "effective", 0.1),
-        ("planar", "effective", 0.01),
+        ("pocket", "effective", 0.03),
+        ("planar", "effective", 0.005),
     ],
 )
 def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, friction, duration):
