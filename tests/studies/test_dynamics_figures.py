@@ -59,21 +59,13 @@ def drawn(planar, tmp_path_factory):
 
 
 def labels(dataset):
-    """Return what stands on each figure of a motion, without the time that drawing takes."""
+    """Yield what stands on each figure of a motion, without the time that drawing takes."""
     from matplotlib.text import Text
 
-    return [
+    return (
         [text.get_text() for text in figure.findobj(Text)]
         for _, _, figure in motion_figures(dataset)
-    ]
-
-
-def first_labels(dataset):
-    """Return what stands on the first figure of a motion: the others are not drawn."""
-    from matplotlib.text import Text
-
-    _, _, figure = next(iter(motion_figures(dataset)))
-    return [text.get_text() for text in figure.findobj(Text)]
+    )
 
 
 def rendered(*names):
@@ -171,7 +163,7 @@ def test_hard_cases_are_drawn(tmp_path, name):
 
 def test_panels_without_values_say_why():
     unknown, unloaded = (
-        labels(hard_cases()[name])[1] for name in ("film unknown", "no roller loaded")
+        [*labels(hard_cases()[name])][1] for name in ("film unknown", "no roller loaded")
     )
     assert "film parameter: effective friction does not know the film" in unknown
     assert "no roller is loaded" not in unknown
@@ -180,14 +172,14 @@ def test_panels_without_values_say_why():
 
 def test_a_roller_is_shown_alone_only_if_its_orbits_can_be_seen():
     # 24 orbits in half a second
-    assert "roller 1" in first_labels(motion(points=301))
-    assert "the mean of all rollers" in first_labels(motion(points=101))
-    assert "the mean of all rollers" in first_labels(motion(points=1001, duration=1.0))
+    assert "roller 1" in next(labels(motion(points=301)))
+    assert "the mean of all rollers" in next(labels(motion(points=101)))
+    assert "the mean of all rollers" in next(labels(motion(points=1001, duration=1.0)))
 
 
 def test_a_far_slip_of_running_away_does_not_flatten_the_curve():
-    assert "skidding begins, 11 %" not in first_labels(motion())
-    assert "skidding begins, 4 %" in first_labels(motion(critical=0.04))
+    assert "skidding begins, 11 %" not in next(labels(motion()))
+    assert "skidding begins, 4 %" in next(labels(motion(critical=0.04)))
 
 
 def test_a_film_without_load_does_not_hide_the_thin_ones():
@@ -200,8 +192,8 @@ def test_a_film_without_load_does_not_hide_the_thin_ones():
 
 
 def test_events_are_marked_at_the_foot_once_for_each_place():
-    assert "events (at the foot)" not in first_labels(motion(skidding_sentences()))
-    assert "events (at the foot)" in first_labels(hard_cases()["skidding"])
+    assert "events (at the foot)" not in next(labels(motion(skidding_sentences())))
+    assert "events (at the foot)" in next(labels(hard_cases()["skidding"]))
     thousands = [(1e-5 * k, "contact opens", False) for k in range(50000)]
     assert len(_other_events(motion(events=thousands, points=11))) == 301
 

@@ -19,7 +19,6 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.results.text import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
-from rollslip.structure import scene_hash
 from rollslip.studies.bounds import JOINT_ORDER
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
@@ -40,21 +39,8 @@ EVERY = [
 ]
 
 
-#: Results by scene and study, which tests must not change.
-RESULTS = {}
-
-
-def result_of(scene, study):
-    """Run a study of a scene once."""
-    key = scene_hash(scene), study
-    if key not in RESULTS:
-        RESULTS[key] = run(scene, study)
-    return RESULTS[key]
-
-
 def measured(models=EVERY, **changes):
-    scene = evolve(SCENE, {"models.damage": models, **changes}, si=True)
-    return result_of(scene, "surface-damage")
+    return run(evolve(SCENE, {"models.damage": models, **changes}, si=True), "surface-damage")
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +100,7 @@ def test_the_worst_is_the_worst_of_the_orbit(result):
     assert flash.across.max("place").values == pytest.approx(flash.worst.values, rel=1e-3)
     assert np.isnan(result.across.sel(measure="film-parameter")).all()
     assert result.slip.item() == pytest.approx(
-        result_of(SCENE, "steady-slip").steady_slip.values[0], rel=0.02
+        run(SCENE, "steady-slip").steady_slip.values[0], rel=0.02
     )
 
 
@@ -317,12 +303,11 @@ def test_without_drag_nothing_slides_and_nothing_is_heated():
     assert still.worst.sel(measure="contact-temperature").values == pytest.approx(343.15)
 
 
-def test_a_bearing_that_turns_the_other_way_fares_alike():
-    one = measured()
+def test_a_bearing_that_turns_the_other_way_fares_alike(result):
     other = measured(**{"operation.inner_speed": "-6371 rpm"})
-    assert other.worst.values == pytest.approx(one.worst.values, rel=1e-9)
+    assert other.worst.values == pytest.approx(result.worst.values, rel=1e-9)
     assert other.worst_angle.values == pytest.approx(
-        one.worst_angle.values
+        result.worst_angle.values
     )  # in the sense of the orbit
 
 
@@ -394,8 +379,7 @@ def test_a_measure_that_has_no_value_does_not_keep_the_others_from_theirs(refuse
         return np.full(len(contacts.slices), np.nan)
 
     monkeypatch.setattr(PassEnergy, "evaluate", evaluate)
-    scene = evolve(SCENE, {"models.damage": ["pass-energy", "power-density"]})
-    result = run(scene, "surface-damage")
+    result = measured(["pass-energy", "power-density"])
     status = result.worst_status.sel(measure="pass-energy")
     words = "pass-energy: no pass ends" if refuses else "pass-energy has no value for"
     assert status.sel(ring="inner").item().startswith(words)
@@ -428,7 +412,7 @@ def test_limits_are_told_in_the_answer(tmp_path):
     assert one.verdict == "", "the question is not one of slip"
     assert one.summary == f"film parameter {one['film-parameter'].text} at the inner ring"
     assert one.assumed[0] == LOWER_BOUNDS, "the scene's one drag is that of the land"
-    both = answer(result_of(SCENE, "steady-slip"), result)
+    both = answer(run(SCENE, "steady-slip"), result)
     assert both["cage_slip"].study == "steady-slip"
     assert both["contact-temperature"] == row
     assert both.faults == ()
