@@ -445,8 +445,7 @@ def test_numbers_of_an_answer_that_other_slices_move_are_seen(number):
     """With few slices, where the driving torque may be right to a thousandth."""
     slices, n_positions, variables = SEEN[number]
     changes = {"accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"}
-    scene = evolve(loading_branch_scenes.wide(number), changes, si=True)
-    made = plan(scene, "steady-slip")
+    made = plan(evolve(loading_branch_scenes.wide(number), changes, si=True), "steady-slip")
     resolution = attrs.evolve(
         made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )

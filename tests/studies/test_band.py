@@ -266,15 +266,16 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(steady, monke
 
 def test_a_driven_cage_has_a_band_up_to_slips_at_which_drags_brake_it():
     """A turning outer ring carries unloaded rollers along; more oil between them brakes."""
-    turned = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "3000 rpm"}
     bearing = new("NU310", oil="iso-vg-100", speed="1 rpm", load="600 N", temperature="80 degC")
-    coarse = {
+    turned = {
+        "operation.inner_speed": "0 rpm",
+        "operation.outer_speed": "3000 rpm",
         "accuracy.slices": 9,
         "accuracy.tolerance": 0.05,
         "study.steady-slip.points": 9,
         "study.steady-slip.acceptable_slip": 0.02,
     }
-    dataset = of_run(rollslip.evolve(bearing, turned | coarse))
+    dataset = of_run(rollslip.evolve(bearing, turned))
     band = json.loads(dataset.attrs["band"])["steady_slip"]
     assert band["low"] == float(dataset["steady_slip"][0]) < -0.01
     assert 1e-3 < band["high"] < 0.05
@@ -384,17 +385,14 @@ CHANGED = {
 @pytest.fixture(scope="module")
 def with_play():
     """The plan of a scene, its result, and the changes of its slip by what scatters."""
-    scene = rollslip.evolve(
-        load_scene("gearbox"),
-        {
-            "accuracy.slices": 9,
-            "accuracy.tolerance": 0.02,
-            "models.approach": "dry",
-            "study.steady-slip.points": 9,
-        },
-    )
-    made = rollslip.plan(scene, "steady-slip")
-    found = with_bands(scene, execute(made, "steady-slip"))
+    changes = {
+        "accuracy.slices": 9,
+        "accuracy.tolerance": 0.02,
+        "models.approach": "dry",
+        "study.steady-slip.points": 9,
+    }
+    made = rollslip.plan(rollslip.evolve(load_scene("gearbox"), changes), "steady-slip")
+    found = with_bands(made.scene, execute(made, "steady-slip"))
     changes = json.loads(found.attrs["band"])["steady_slip"]["changes"]
     return made, found, {row["key"]: row for row in changes}
 
@@ -402,12 +400,14 @@ def with_play():
 @pytest.mark.parametrize("key", CHANGED)
 def test_slips_with_play_are_those_of_runs_at_other_values(key, with_play):
     made, _, changes = with_play
-    resolution = made.choices["steady-slip"].resolution
     for value, slip in zip(changes[key]["ends"], changes[key]["values"], strict=True):
-        scene = rollslip.evolve(made.scene, {key: value}, si=True)
         # the slip alone, which is that of a run
         variables, _ = made.studies["steady-slip"].partial_result(
-            assemble(scene, resolution), frozenset({"steady_slip"})
+            assemble(
+                rollslip.evolve(made.scene, {key: value}, si=True),
+                made.choices["steady-slip"].resolution,
+            ),
+            frozenset({"steady_slip"}),
         )
         (of_run,) = variables["steady_slip"][1]
         assert math.log(slip / of_run) == pytest.approx(0.0, abs=CHANGED[key])

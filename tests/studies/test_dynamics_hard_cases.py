@@ -343,9 +343,15 @@ def test_a_jump_that_no_table_follows_is_said():
 def with_breaking(level, duration=1e-3, **changes):
     """Return the motion with a friction that breaks, and the number of its calls."""
     model = Breaking(**changes)
-    settings = {"duration": duration, "points": 11, "cage_slip": 0.02}
-    assembly = with_traction(bearing(brake(0.5)), model)
-    return started(assembly, level, "conventional", **settings), model.calls[0]
+    found = started(
+        with_traction(bearing(brake(0.5)), model),
+        level,
+        "conventional",
+        duration=duration,
+        points=11,
+        cage_slip=0.02,
+    )
+    return found, model.calls[0]
 
 
 @functools.cache

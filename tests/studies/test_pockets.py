@@ -263,8 +263,10 @@ def test_small_and_large_slips_are_found(load, low, high):
 def test_slips_with_play_fall_steadily_over_the_load():
     """Also where rollers that are set in the cage drive it: with play they cross their pockets first."""
     loads = np.geomspace(3e3, 3e4, 4)
-    scenes = [evolve(SCENES["gearbox"], {"operation.radial_load": load}, si=True) for load in loads]
-    balances = [balanced(scene) for scene in scenes]
+    balances = [
+        balanced(evolve(SCENES["gearbox"], {"operation.radial_load": load}, si=True))
+        for load in loads
+    ]
     set_slips = np.array([slip for _, slip in balances])
     assert set_slips[0] > 1e-3
     assert set_slips.min() < 0.0
@@ -316,16 +318,17 @@ def test_the_orbit_is_closed_and_is_that_of_the_march(bearing):
 
 
 def test_the_orbit_of_the_mirror_image_is_that_of_the_bearing():
-    balance, slip = balanced_of("b")
-    mirrored = assembled(SCENES["b"], {"operation.inner_speed": "-2000 rpm"})
-    orbit, mirror = (Pockets(b).orbit(5.0 * slip) for b in (balance.assembly, mirrored))
+    slip = balanced_of("b")[1]
+    orbit, mirror = (
+        Pockets(assembled(SCENES["b"], {"operation.inner_speed": speed})).orbit(5.0 * slip)
+        for speed in ("2000 rpm", "-2000 rpm")
+    )
     for name in ("angle", "position", "torque"):
         assert getattr(mirror, name) == pytest.approx(getattr(orbit, name), rel=1e-6, abs=1e-9)
 
 
 def test_rollers_that_orbit_against_the_inner_ring_drive_at_the_bar_ahead():
-    assembly = assembled(SCENES["b"], {"operation.outer_speed": "-2200 rpm"})
-    orbit = Pockets(assembly).orbit(0.02)
+    orbit = Pockets(assembled(SCENES["b"], {"operation.outer_speed": "-2200 rpm"})).orbit(0.02)
     drives = orbit.position >= 1.0
     assert drives.any()
     assert (orbit.torque[drives] > 0.0).all()
@@ -402,8 +405,7 @@ def without_cage(scene):
     ],
 )  # fmt: skip
 def test_where_play_has_no_slip_words_say_why(scene, settings, words):
-    balance = SteadySlip(**settings).balance(assembled(scene, {}))
-    found = found_by_study(balance, LIKELY_SLIP)
+    found = found_by_study(SteadySlip(**settings).balance(assembled(scene, {})), LIKELY_SLIP)
     assert words in found.status
     assert np.isnan(found.slip)
     assert Status.of(found.status) is not Status.FOUND
@@ -430,8 +432,10 @@ def test_the_play_is_left_out_at_slips_that_it_does_not_change():
     balance, slip = balanced(scene, math.inf)
     assert slip > 0.5
     assert "less than 1 %" in found_by_study(balance, slip).status
-    changes = {"cage.pocket_clearance": "10 um", "models.approach": "dry"}
-    smaller = balanced(evolve(SCENES["turbine"], changes), math.inf)
+    smaller = balanced(
+        evolve(SCENES["turbine"], {"cage.pocket_clearance": "10 um", "models.approach": "dry"}),
+        math.inf,
+    )
     assert "less than 1 %" in found_by_study(*smaller).status
     assert with_play(*smaller) == pytest.approx(smaller[1], rel=1e-2)
 
@@ -658,8 +662,9 @@ def test_plenty_of_oil_is_the_limit_of_thick_layers():
     """
     slips = []
     for layer in ("1 mm", "plenty"):
-        changes = {"lubrication.oil_layer": layer, "accuracy.slices": 21}
-        scene = evolve(load_scene("gearbox"), changes)
+        scene = evolve(
+            load_scene("gearbox"), {"lubrication.oil_layer": layer, "accuracy.slices": 21}
+        )
         study = SteadySlip(acceptable_slip=None)
         found, _ = study.partial_result(assemble(scene), frozenset({"steady_slip"}))
         slips.append(float(found["steady_slip"][1][0]))

@@ -1093,29 +1093,32 @@ def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
     assert "SKF's rule needs bearing.catalogue.minimum_load_factor of the " in said
 
 
-#: Drags, and how many steady slips there are.
+#: Drags, how many steady slips there are, and the pockets: the march of rollers with play takes most of the time.
 SHORT_WAYS = {
-    "land": ({}, 1),
+    "land": ({}, 1, "set"),
     "two": (
         {
             "operation.temperature": "30 degC",
             "cage.drag": [{"model": "constant-torque", "size": "0.56 N m"}],
         },
         2,
+        "play",
     ),
-    "hysteresis": ({"cage.drag": ["petroff-land", "hysteresis"]}, 1),
-    "more than is carried": ({"cage.drag": [{"model": "constant-torque", "size": "3 N m"}]}, 0),
+    "hysteresis": ({"cage.drag": ["petroff-land", "hysteresis"]}, 1, "set"),
+    "more than is carried": (
+        {"cage.drag": [{"model": "constant-torque", "size": "3 N m"}]},
+        0,
+        "set",
+    ),
 }
 
 
 @pytest.mark.parametrize("name", SHORT_WAYS)
 def test_steady_slips_alone_are_those_of_the_whole_study(name):
-    changes, count = SHORT_WAYS[name]
+    changes, count, pockets = SHORT_WAYS[name]
     scene = evolve(SHIPPED, {"accuracy.slices": 5, "models.approach": "dry", **changes}, si=True)
     assembly = assemble(scene)
     assembly = assembly.at(attrs.evolve(assembly.resolution, n_positions=4))
-    # the march of rollers with play takes most of the time
-    pockets = "play" if name == "two" else "set"
     study = SteadySlip(acceptable_slip=None, points=8, pockets=pockets)
     whole = study.completed(assembly, study.run(assembly))
     alone, _ = study.partial_result(assembly, frozenset({"steady_slip", "status"}))
