@@ -148,7 +148,7 @@ def result(request):
 @pytest.mark.parametrize("study", STUDIES)
 def test_a_combination_gives_what_a_run_of_its_scene_gives_bit_for_bit(study):
     found = compare(SCENE, traction=["muraki", "eyring"], film=["moes", "blok"], study=study)
-    for label, one in members(found):
+    for label, one in [*members(found)][::3]:  # both films and both laws
         film, traction = label.split(" + ")
         scene = evolve(
             SCENE, {"models.film": film, "models.traction.hydrodynamic": traction}, si=True
@@ -165,16 +165,15 @@ def test_a_combination_gives_what_a_run_of_its_scene_gives_bit_for_bit(study):
 @pytest.mark.parametrize("study", STUDIES)
 def test_a_model_does_not_differ_from_itself(study):
     rollslip.register(Again)
-    found = compare(SCENE, traction=["muraki", "again"], study=study).sel(combination="again")
+    both = compare(SCENE, traction=["muraki", "again"], study=study)
+    found = both.sel(combination="again")
     assert found.attrs["reference"] == "muraki"
     for name in ("max_error", "rms_error", "mean_difference", "explained"):
         assert (found[name] == 0.0).all()
     assert not (np.abs(found["bin_difference"]) > 0.0).any()
     for name in ("critical_slip_error", "peak_error"):
         assert (found[name].fillna(0.0) == 0.0).all()
-    assert "again does not differ from muraki" in findings(
-        compare(SCENE, traction=["muraki", "again"], study=study)
-    )
+    assert "again does not differ from muraki" in findings(both)
 
 
 def test_bins_of_every_grouping_add_up_to_the_whole_difference_of_the_curves(result):
@@ -658,6 +657,8 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
         "1032930-30C",
         "--set",
         "bearing.profile=none",
+        "--set",
+        "study.friction-curve.points=21",
         "--study",
         "friction-curve",
         "--no-plots",
@@ -715,7 +716,8 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
 def test_json_is_plain_and_complete(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     rollslip.register(Slow)
-    code, said, _ = answer(capsys, "1032930-30C", "--set", "bearing.profile=none", "--study", "friction-curve",
+    code, said, _ = answer(capsys, "1032930-30C", "--set", "bearing.profile=none",
+                           "--set", "study.friction-curve.points=21", "--study", "friction-curve",
                            "--traction", "muraki,slow", "--reference", "eyring", "--no-plots", "--json")  # fmt: skip
     assert code == 4
     said = json.loads(said)
@@ -740,6 +742,7 @@ def test_json_is_plain_and_complete(tmp_path, monkeypatch, capsys):
     assert rows["slow", "518 N"]["status"] == "failed: slow: no end in sight"
 
 
+@pytest.mark.parametrize("result", STUDIES[:1], indirect=True)
 def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(
     tmp_path, monkeypatch, capsys, result
 ):
@@ -753,11 +756,11 @@ def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(
             main([*command.split(), "compare.nc"])
         assert leave.value.code == 0, capsys.readouterr().err
         says[command] = capsys.readouterr().out
-    critical = result["critical_cage_slip" if "ring" in result.dims else "critical_slip"]
+    critical = result["critical_cage_slip"]
     slip = float(critical.isel({critical.dims[1]: 0}).sel(combination="dowson-1968 + eyring"))
     assert says["info"].startswith(f"{account_of(result).answer(result).summary}\n")
     curve = re.escape(f"dowson-1968 + eyring, {curve_names(result)[0]}")
-    found = rf"\n  {curve} +(cage )?slip at largest traction {re.escape(percent(slip))}"
+    found = rf"\n  {curve} +cage slip at largest traction {re.escape(percent(slip))}"
     assert re.search(found, says["info -v"])
     for author in (
         "Moes H.",
@@ -809,7 +812,7 @@ def test_differences_from_the_first_are_not_called_errors():
 
 def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    found = compare(SCENE, traction="muraki,eyring", film="moes,blok", study="effective-friction")
+    found = compare(SCENE, traction="muraki,eyring", study="effective-friction")
     save(found, tmp_path / "compare.nc")
     with pytest.raises(SystemExit) as leave:
         main(["report", "compare.nc"])
@@ -825,7 +828,7 @@ def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys
         assert text[1:] in page
     for name in curve_names(found):
         rests_on = "slips at largest traction with rollers in pure rolling"
-        assert f"{name}, {rests_on}: combinations of models against moes + muraki." in page
+        assert f"{name}, {rests_on}: combinations of models against muraki." in page
         assert f"{name}, {rests_on}".capitalize() in page, "the caption of its table"
     for k, label in enumerate(found.combination.values):
         assert f">{k + 1}  {label}" in html

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 import promise_scenes
 import rollslip
+import without_bands
 from coarse import coarse
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
@@ -142,14 +143,15 @@ def test_a_cage_that_runs_ahead_slips_as_much():
 
 def test_a_word_searches_what_its_key_does():
     words = ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %")
-    keys = ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %")
-    scene = coarse("gearbox", {"accuracy.slices": 3})
+    keys = ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_cage_slip <= 5 %")
+    scene = coarse("1032930-70C", {"accuracy.slices": 3})
     one, two = (
-        rollslip.limit(scene, *requested, study="steady-slip", within=0.2)
+        LimitSettings(scene, *requested, study="effective-friction", within=0.2).plan()
         for requested in (words, keys)
     )
-    assert one.searched.identical(two.searched)
-    assert one.result.identical(two.result)
+    assert one.sweep.hash == two.sweep.hash
+    assert [*one.axis.values] == [*two.axis.values]
+    assert one.requirement == two.requirement
 
 
 @pytest.fixture(scope="module")
@@ -380,18 +382,16 @@ def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_bo
 
 
 def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
-    scene = rollslip.evolve(
-        bearing, {"accuracy.tolerance": 0.01, "study.surface-damage.cage_slip": 0.1}
-    )
+    scene = rollslip.evolve(bearing, {"accuracy.slices": 5, "study.surface-damage.cage_slip": 0.1})
     loads = {"operation.radial_load": "2 kN:8 kN:3"}
 
-    def limit(keep, *models):
+    def limit(keep, *models, within=0.01):
         one = rollslip.evolve(scene, {"models.damage": list(models)}, si=True)
-        return rollslip.limit(one, loads, keep, study="surface-damage")
+        return rollslip.limit(one, loads, keep, study="surface-damage", within=within)
 
     found = limit("worst <= 12 MW/m2", "power-density")
     kept, passed = (
-        rollslip.run(
+        without_bands.run(
             rollslip.evolve(
                 scene,
                 {"models.damage": ["power-density"], "operation.radial_load": float(at[0])},
@@ -403,7 +403,7 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     )
     assert kept < 12e6 * 1.01
     assert 12e6 * 0.99 < passed < 1.03 * kept
-    heated = limit("worst <= 1.2 K", "flash-temperature")
+    heated = limit("worst <= 1.2 K", "flash-temperature", within=0.3)
     assert re.search(
         r"^maximum radial load \S+ kN for worst up to 1.2 K; at",
         findings.describe_limit(heated),
@@ -434,7 +434,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     )
     load = scene.operation.radial_load
     over = {"operation.radial_load": f"{0.8 * load} N:{1.2 * load} N:3"}
-    kept = float(rollslip.run(scene, "surface-damage").worst.max())
+    kept = float(without_bands.run(scene, "surface-damage").worst.max())
 
     def limit(**changes):
         one = rollslip.evolve(scene, changes, si=True)
@@ -452,7 +452,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
 
     def worst(fraction, **changes):
         one = rollslip.evolve(scene, {"operation.radial_load": fraction * load, **changes}, si=True)
-        return float(rollslip.run(one, "surface-damage").worst.max())
+        return float(without_bands.run(one, "surface-damage").worst.max())
 
     # on 301 slices: a run may itself be 1e-3 off
     off = max(
@@ -495,11 +495,11 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
 # Along histories ------------------------------------------------------------------------------------------------------
 
 
-def moving(history, **more):
+def moving(history, slices=7, **more):
     return rollslip.evolve(
         rollslip.load_scene("1032930-50C"),
         {
-            "accuracy.slices": 7,
+            "accuracy.slices": slices,
             "operation.radial_load": "3000 N",
             "study.dynamics.friction": "conventional",
             "study.dynamics.duration": "1 s",
@@ -551,7 +551,8 @@ def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case
 
 
 def test_a_motion_is_searched_as_the_plan_chooses_it():
-    scene = moving(DROP, **{"study.dynamics.level": "pocket", "study.dynamics.duration": "2 ms"})
+    short = {"study.dynamics.level": "pocket", "study.dynamics.duration": "2 ms"}
+    scene = moving(DROP, slices=3, **short)
     over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN:3"}
     made = LimitSettings(scene, over, "largest_cage_slip <= 5 %", study="dynamics").plan()
     (chosen,) = made.sweep.resolutions.chosen.values()
@@ -631,8 +632,5 @@ def test_a_slip_is_asked_of_the_study_of_the_cage_and_a_share_may_be_percent():
             SceneError, match=rf"such as 0.01 or '1 %', not {re.escape(str(wrong))}"
         ):
             LimitSettings(
-                scene,
-                over="load=1 kN:3 kN:3",
-                keep="slip<5%",
-                within=wrong,
+                scene, LENGTHS, "half_width >= 60 um", study="friction-curve", within=wrong
             ).plan()
