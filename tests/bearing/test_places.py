@@ -182,8 +182,9 @@ def test_a_steady_slip_does_not_know_which_roller_it_is(placed):
 
 
 MOTION = {
-    "study.dynamics.duration": "0.5 ms", "study.dynamics.friction": "conventional",
-    "study.dynamics.integrator": "rk45", "study.dynamics.relative_tolerance": 1e-5, **DRAG
+    "study.dynamics.duration": "0.05 ms", "study.dynamics.friction": "conventional",
+    "study.dynamics.integrator": "rk45", "study.dynamics.relative_tolerance": 1e-5,
+    "study.effective-friction.skidding_range": 0, **DRAG
 }  # fmt: skip
 
 

@@ -52,7 +52,8 @@ def folder(tmp_path):
 
 def serial(folder, *arguments):
     """What a sweep gives where nothing happens."""
-    sweep(folder, "run", "scene.toml", *arguments, "--engine", "serial", "--out", "serial")
+    own = [*arguments, "--engine", "serial", "--no-plots", "--out", "serial"]
+    sweep(folder, "run", "scene.toml", *own)
     return result(folder / "serial")
 
 
@@ -138,6 +139,7 @@ def test_a_point_that_kills_its_process_is_the_only_one_lost(folder):
         "run",
         "scene.toml",
         *over,
+        "--no-plots",
         "--engine",
         "processes",
         "--workers",

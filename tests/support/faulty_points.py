@@ -196,7 +196,8 @@ def processes_of(leader: subprocess.Popen, *, computing: bool = False) -> list[i
 
 def held_run(folder: Path, *engine: object) -> subprocess.Popen:
     """Start a sweep, and return when some of its points are done and the others wait."""
-    process = started(folder, "run", "scene.toml", *FACTORS, *hold(folder), *engine, "--out", "s")
+    held = [*FACTORS, *hold(folder), *engine, "--no-plots", "--out", "s"]
+    process = started(folder, "run", "scene.toml", *held)
     until(lambda: points(folder / "s") >= 1 or process.poll() is not None)
     return process
 
@@ -211,7 +212,7 @@ def gone_on_with(folder: Path, reference, *engine: object) -> None:
     (folder / "hold").unlink(missing_ok=True)
     before = points(folder / "s")
     assert 1 <= before < COUNT
-    sweep(folder, "resume", "s", *engine)
+    sweep(folder, "resume", "s", "--no-plots", *engine)
     assert points(folder / "s") == COUNT
     assert len(sessions(folder / "s")) == 2
     same(result(folder / "s"), reference)
