@@ -561,7 +561,8 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
 
 def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
     scene = parse_scene(
-        NAMED + '[study.steady-slip]\npockets = "set"\n[accuracy]\ntolerance = 1e-2\nslices = 5\n',
+        NAMED + '[study.steady-slip]\npockets = "set"\n[accuracy]\ntolerance = 1e-2\nslices = 3\n'
+        '[models]\napproach = "dry"\ntraction = "muraki"\n',
         "mine.toml",
     )
     names = ["NU 2312 ECP", "NU 2312 MA"]

@@ -16,7 +16,7 @@ from rollslip.results.accounts import account_of
 from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
-SCENE = coarse("gearbox", {"accuracy.slices": 5})
+SCENE = coarse("gearbox", {"accuracy.slices": 3, "models.traction": "muraki"})
 
 
 @pytest.fixture(scope="module")

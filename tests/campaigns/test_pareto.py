@@ -422,7 +422,8 @@ def test_a_motion_and_a_steady_slip_have_errors_too():
         "integrator": "rodas5p",
     }  # rk45 takes the same steps at any tolerance; at level pocket nothing is touched in 2 ms
     changes |= {"study.dynamics": {"duration": "2 ms", "points": 5, **named}}
-    changes |= {"study.effective-friction.points": 7, "cage.drag": ["constant-torque"]}
+    changes |= {"study.effective-friction": {"points": 7, "skidding_range": 0}}
+    changes |= {"cage.drag": ["constant-torque"]}
     scene = evolve(
         load_scene("1032930-50C"), changes | {"operation.misalignment": "0.01 mrad"}, si=True
     )

@@ -203,7 +203,7 @@ FATED = {
 }
 
 
-@settings(max_examples=5)
+@settings(max_examples=3)
 @given(**FATED)
 def test_nothing_that_happens_changes_a_bit(runs, seed, task_seconds, serial, tmp_path_factory):
     survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
@@ -221,7 +221,7 @@ def test_nothing_that_happens_changes_a_bit_over_many_draws(
 # What failed is counted ----------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=15)
+@settings(max_examples=7)
 @given(
     journal_files=st.lists(
         st.lists(
@@ -270,7 +270,7 @@ def kept(tmp_path_factory):
     return folder
 
 
-@settings(max_examples=12)
+@settings(max_examples=7)
 @given(data=st.data())
 def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_path_factory):
     content = bytearray((kept / "journal-000000.sqlite").read_bytes())

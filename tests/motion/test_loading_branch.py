@@ -1,5 +1,6 @@
 """The loading branch of the rollers: against a plain march, motion in time, and what holds whatever the bearing."""
 
+import functools
 import math
 from types import SimpleNamespace
 
@@ -51,6 +52,12 @@ def balance(
         attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3)
     )
     return torque_balance(few, n_positions, inertia=inertia, effective=effective)
+
+
+@functools.cache
+def balance_of(kind, number):
+    """The balance of a scene by its kind and number, which finds its branch once."""
+    return scenes.balance(getattr(scenes, kind)(number))
 
 
 def test_a_step_of_the_torque_is_rollers_that_come_to_roll_on_the_outer_ring_by_boundary_friction():
@@ -364,7 +371,7 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
     ("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 19), ("catalogue", 17)]
 )
 def test_slips_around_a_maximum_carry_all_but_a_share_of_it(kind, number, fraction):
-    branch = scenes.balance(getattr(scenes, kind)(number)).loading_branch()
+    branch = balance_of(kind, number).loading_branch()
     assert branch.jumps
     for jump in branch.jumps:
         fraction = max(fraction, jump.error)
@@ -400,7 +407,7 @@ def test_slips_around_a_parabola_go_with_its_place():
 def test_the_error_told_of_a_jump_holds_against_four_times_the_positions_and_tells_something(
     kind, number
 ):
-    one = scenes.balance(getattr(scenes, kind)(number))
+    one = balance_of(kind, number)
     jumps = one.loading_branch().jumps
     dense = scenes.finer(one, 4).loading_branch().jumps
     assert len(jumps) == len(dense), "what positions alone bend down is no jump"
@@ -425,7 +432,7 @@ def test_a_maximum_up_to_the_end_of_the_range_that_finer_positions_do_not_have_i
 def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the_positions(
     kind, number
 ):
-    one = scenes.balance(getattr(scenes, kind)(number))
+    one = balance_of(kind, number)
     branch = one.loading_branch()
     dense = scenes.finer(one, 4).loading_branch()
     assert branch.maximum[1] == pytest.approx(dense.maximum[1], rel=branch.maximum_error + 1e-6)

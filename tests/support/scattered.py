@@ -12,6 +12,7 @@ SCATTERED = rollslip.evolve(
     {
         "accuracy.slices": 3,
         "accuracy.tolerance": 0.02,
+        "models.approach": "dry",
         "study.effective-friction.points": 9,
         "study.steady-slip.pockets": "set",
         "cage.drag": DRAGS,
