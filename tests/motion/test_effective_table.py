@@ -447,6 +447,7 @@ def test_a_motion_says_how_right_its_tables_are():
         "study.effective-friction.closure": "free-roller",
         "study.effective-friction.max_cage_slip": 0.4,
         "study.effective-friction.points": 11,
+        "study.effective-friction.skidding_range": 0,
     }
     found = run(evolve(load_scene("1032930-50C"), changes, si=True), "dynamics")
     records = json.loads(found.attrs["effective_tables"])

@@ -6,13 +6,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rollslip import evolve, load_scene, run
+from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import as_stated
 from rollslip.models import DragModel
 from rollslip.results.accounts import account_of
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance, effective_curves
+from without_bands import run
 
 SHIPPED = evolve(load_scene("1032930-50C"), {"lubricant.density": "930 kg/m3"})
 DRAGS = [

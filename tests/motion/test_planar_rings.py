@@ -807,7 +807,13 @@ def along(level="planar", history=(), friction="conventional", **changes):
     found |= {"history": dict(history)} if history else {}
     found |= {"planar": {"inner_ring_mass": "5 kg"}} if level == "planar" else {}
     scene = evolve(
-        bent_scene(28, "outer", **changes), {"accuracy.slices": 5, "study.dynamics": found}, si=True
+        bent_scene(28, "outer", **changes),
+        {
+            "accuracy.slices": 5,
+            "study.dynamics": found,
+            "study.effective-friction.skidding_range": 0,
+        },
+        si=True,
     )
     return run(scene, "dynamics")
 
