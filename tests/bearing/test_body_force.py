@@ -1,5 +1,6 @@
 """Forces on rollers in one direction, a carrier's and gravity: sums of forces, statics by hand, and another solver."""
 
+import functools
 import math
 from types import SimpleNamespace
 
@@ -342,6 +343,7 @@ def test_a_run_says_what_weight_leaves_out():
 def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own():
     friction = FrictionSettings(name="constant", coefficient=0.05, transition=0.1)
 
+    @functools.cache
     def rates(direction, **own):
         given = {} if direction is None else {"operation.gravity_direction": direction}
         assembly = assemble(

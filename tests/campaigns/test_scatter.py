@@ -487,7 +487,7 @@ def test_reserve_and_slip_do_not_depend_on_the_range_that_the_scene_names_for_st
     found = [
         uncertainty(
             rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"], "study.steady-slip.max_cage_slip": most}),
-            samples=8, probability=0.5,
+            samples=4, probability=0.5,
         )
         for most in (0.2, 0.9)
     ]  # fmt: skip
