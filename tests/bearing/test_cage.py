@@ -224,13 +224,12 @@ def test_a_cage_that_cannot_be_the_bearings_is_questioned(table, sentence):
 
 def test_the_plan_says_what_of_the_cage_is_estimated():
     scene = parse_scene(NAMED + "[study.steady-slip]\n[accuracy]\nslices = 5\n", "mine.toml")
-    made = plan(scene)
-    (part,) = (part for part in made.parts if part.part == "cage")
+    (part,) = (part for part in plan(scene).parts if part.part == "cage")
     assert part.choice == "brass, 457 g, guided by the outer ring"
     assert part.reason.startswith(
         "MA of NU 2312 MA says so; estimated (D): mass, inertia, pocket_clearance"
     )
-    (note,) = (text for text in made.cost_sentences if text.startswith("the cage"))
+    (note,) = (text for text in plan(scene).cost_sentences if text.startswith("the cage"))
     assert "MA of NU 2312 MA says so" in note
     bare = plan(evolve(scene, {"bearing.name": "NU 2312"})).cost_sentences
     assert any(

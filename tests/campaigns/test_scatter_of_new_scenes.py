@@ -60,8 +60,7 @@ def ends(one):
 def slip(one):
     """Steady slip of rollers at one instant."""
     balance = torque_balance(assemble(one), 1, inertia=False)
-    _, motions = balance.steady_motions(0.95, 0.1)
-    return motions[0].slip
+    return balance.steady_motions(0.95, 0.1)[1][0].slip
 
 
 @pytest.mark.parametrize("supply", SUPPLIES)

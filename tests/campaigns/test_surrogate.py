@@ -623,9 +623,19 @@ def test_the_rotor_of_the_page_runs_up_as_by_the_laws_of_its_bearing(fmpy, fmu, 
 
 def test_tables_are_made_and_a_second_call_goes_on_with_what_is_there(tmp_path, monkeypatch):
     # laws that read no speed of the rings: the bearing is put together once, not at every rolling speed
-    own = {"accuracy.slices": 3, "models.approach": "dry", "models.film": "moes"}
-    drags = ["rolling-resistance", {"model": "constant-torque", "size": "0.1 N m"}]
-    scene = evolve(SCENE, {**own, "models.traction": "muraki", "cage.drag": drags})
+    scene = evolve(
+        SCENE,
+        {
+            "accuracy.slices": 3,
+            "models.approach": "dry",
+            "models.film": "moes",
+            "models.traction": "muraki",
+            "cage.drag": [
+                "rolling-resistance",
+                {"model": "constant-torque", "size": "0.1 N m"},
+            ],
+        },
+    )
     over = ["radial_load=1.4 kN:1.6 kN", "temperature=80 degC", "inner_speed=1400 rpm:1500 rpm"]
     first, _ = made(tmp_path, over, 0.2, scene)
     bearing = MeanRoller(evolve(scene, {"operation.temperature": 353.15}, si=True))

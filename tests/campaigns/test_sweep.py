@@ -867,7 +867,6 @@ def test_the_engine_is_chosen_by_what_a_point_takes(tmp_path):
 
 @functools.cache
 def loaded():
-    """Four hundred points, which several tests plan."""
     return planned(over={"operation.radial_load": "500:5000:400"})
 
 
@@ -1029,8 +1028,12 @@ def test_a_time_limit_ends_a_point_in_any_thread():
         done = [compute(short, points), *threads.map(compute, [short, short], [points, points])]
     assert [row.status for one in done for row in one.rows] == 9 * ["timed-out"]
     assert "took longer than the time limit of 0.01 s" in done[0].rows[0].message
-    quick = attrs.evolve(planned().work, time_limit=60.0)
-    assert compute(quick, [(0, planned().design.changes(0))]).rows[0].status == "ok"
+    assert (
+        compute(attrs.evolve(planned().work, time_limit=60.0), [(0, planned().design.changes(0))])
+        .rows[0]
+        .status
+        == "ok"
+    )
 
 
 def test_with_a_time_limit_points_run_in_processes_unless_an_engine_is_chosen(tmp_path):

@@ -52,8 +52,17 @@ def folder(tmp_path):
 
 def serial(folder, *arguments):
     """What a sweep gives where nothing happens."""
-    own = [*arguments, "--engine", "serial", "--no-plots", "--out", "serial"]
-    sweep(folder, "run", "scene.toml", *own)
+    sweep(
+        folder,
+        "run",
+        "scene.toml",
+        *arguments,
+        "--engine",
+        "serial",
+        "--no-plots",
+        "--out",
+        "serial",
+    )
     return result(folder / "serial")
 
 

@@ -220,8 +220,14 @@ def _points(status, slips):
 
 def test_samples_have_play_in_the_pockets():
     """Their slips are those of rollers set in the cage by the curves of a run; loads change as that of the run."""
-    own = {"accuracy.slices": 3, "models.traction": "muraki"}
-    scene = coarse("gearbox", own | {"study.steady-slip.pockets": "play"})
+    scene = coarse(
+        "gearbox",
+        {
+            "accuracy.slices": 3,
+            "models.traction": "muraki",
+            "study.steady-slip.pockets": "play",
+        },
+    )
     nominal = without_bands.run(scene, "steady-slip")
     options = {"samples": 4, "loads": 2}
     found = uncertainty(scene, **options)
@@ -557,8 +563,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     monkeypatch.setattr(swept, "collect", points)
     out = tmp_path / "made"
     own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", *SET_COARSE]
-    own += ["--set", "study.effective-friction.points=9"]
-    own += ["--samples", "2", "-v"]
+    own += ["--set", "study.effective-friction.points=9", "--samples", "2", "-v"]
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "2 samples: none has a result" in done.output

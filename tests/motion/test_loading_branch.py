@@ -56,7 +56,6 @@ def balance(
 
 @functools.cache
 def balance_of(kind, number):
-    """The balance of a scene by its kind and number, which finds its branch once."""
     return scenes.balance(getattr(scenes, kind)(number))
 
 

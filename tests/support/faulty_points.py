@@ -196,8 +196,9 @@ def processes_of(leader: subprocess.Popen, *, computing: bool = False) -> list[i
 
 def held_run(folder: Path, *engine: object) -> subprocess.Popen:
     """Start a sweep, and return when some of its points are done and the others wait."""
-    held = [*FACTORS, *hold(folder), *engine, "--no-plots", "--out", "s"]
-    process = started(folder, "run", "scene.toml", *held)
+    process = started(
+        folder, "run", "scene.toml", *FACTORS, *hold(folder), *engine, "--no-plots", "--out", "s"
+    )
     until(lambda: points(folder / "s") >= 1 or process.poll() is not None)
     return process
 
