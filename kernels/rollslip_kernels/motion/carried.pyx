@@ -180,7 +180,7 @@ cdef inline void _held_friction(carried_t *p, double t) noexcept nogil:
         rs_held_tractions(&p.c, ring)
 
 
-cdef int _renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
+cdef int _renew(double t, const double *y, int compared, double *report, void *state) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
     cdef size_t Z = p.c.rollers, i, j
     cdef double sense
@@ -194,7 +194,7 @@ cdef int _renew(double t, const double *y, int compared, double *told, void *sta
     if status != 0:
         return status
     p.held_at = t
-    told[0] = rs_held_damping(&p.c)
+    report[0] = rs_held_damping(&p.c)
     for i in range(<size_t>RINGS, p.c.channels):   # resistances that come with the loads, with the sense of rolling
         for j in range(Z):
             sense = p.c.rolling[i - RINGS][j] / rs_film_speed(p.c.rolling[i - RINGS][j])
@@ -202,7 +202,7 @@ cdef int _renew(double t, const double *y, int compared, double *told, void *sta
             p.c.force_rate[i][j] *= sense
     if compared:
         _held_friction(p, t)
-        told[1] = rs_held_gone(&p.c, before)
+        report[1] = rs_held_gone(&p.c, before)
     return 0
 
 

@@ -1,7 +1,7 @@
 /* Levels cage-set and pocket over all rollers at once: what carried.pyx says of its equations, column by column.
  *
  * - The loads come from cells of centrifugal force, cubic over position at both ends of one, coefficients side by side.
- * - What the rollers add to the rates of head and ledger stays apart until it is summed, or told roller by roller. */
+ * - What the rollers add to the rates of head and ledger stays apart until it is summed, or recorded roller by roller. */
 #ifndef ROLLSLIP_CARRIED_COLUMNS_H
 #define ROLLSLIP_CARRIED_COLUMNS_H
 #include "motion/bearing.h"

@@ -966,7 +966,7 @@ cdef class Planar:
         p.c.wave_cos, p.c.wave_sin, p.shape_forces = room, room + most * Z, room + 2 * most * Z
 
     def system(self, double swing_frequency=0.0):
-        """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
+        """Return the capsule "rollslip.system.v1"; with a frequency of rollers between rings [rad/s], if known."""
         cdef rs_system s
         cdef const planar_t *p = &self.p
         cdef double cage = 1.0 / p.cage_mass

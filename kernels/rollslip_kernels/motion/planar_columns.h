@@ -1,7 +1,7 @@
 /* Level planar over all rollers at once: what planar.pyx says of its equations, column by column.
  *
  * - The head comes as it is ordered here, rollers as blocks, which are laid out in columns first.
- * - What the rollers add to the rates of head and ledger stays apart until it is summed, or told roller by roller:
+ * - What the rollers add to the rates of head and ledger stays apart until it is summed, or recorded roller by roller:
  *   differences need it so. */
 #ifndef ROLLSLIP_PLANAR_COLUMNS_H
 #define ROLLSLIP_PLANAR_COLUMNS_H

@@ -15,7 +15,7 @@ from rollslip_kernels.chain import bound
 
 #: Speed u_0 of the regularisation sqrt(u^2 + u_0^2) [m/s].
 REST_SPEED: float = RS_REST_SPEED
-#: What is told of the contacts of stored states: forces [N], speeds [m/s], smallest film parameter, resistance [N].
+#: Values of the contacts of stored states: forces [N], speeds [m/s], smallest film parameter, resistance [N].
 OUTPUTS: tuple[str, ...] = (
     "normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter", "rolling_resistance",
 )

@@ -20,10 +20,11 @@ Step size
     G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996, IV.8; the first step after Hairer, Nørsett
     and Wanner I, II.4.
 Contacts
-    What touches and parts within a step may leave no trace in the estimate of its error: seven stages of an explicit
-    method all miss it. Where the system tells how fast its contacts swing, Dormand and Prince's method goes up to where
-    one is met at the present speeds, and on by h <= 0.4/omega while one lasts; held to the forces of the pockets by
-    docs/scripts/pocket_force.py. Rodas5P, whose Jacobian sees a contact that has begun, takes the tolerance alone.
+    A contact that closes and opens within a step may leave no trace in the estimate of its error: seven stages of an
+    explicit method all miss it. Where the system gives the frequency of its contacts, Dormand and Prince's method goes
+    up to where one closes at the present speeds, and on by h <= 0.4/omega while one is closed;
+    docs/scripts/pocket_force.py compares the forces of the pockets. Rodas5P, whose Jacobian sees a contact that has
+    begun, takes the tolerance alone.
 Derivatives
     Those that the system gives, else by differences: one-sided in H + B evaluations, and central in 2 (H + B) where
     a relative tolerance is below 1e-7, since the 1e-8 lost in a one-sided derivative would then govern the step.
@@ -760,7 +761,7 @@ cdef class DormandPrince(Stepper):
     """Dormand and Prince's method of order 5(4), in contacts by steps that resolve them."""
 
     cdef double _resolved(self) noexcept nogil:
-        """Up to where something touches, and from there on a share of its swing."""
+        """Up to where a contact closes, and from there on a fraction of its period."""
         if self.c.contact_frequency == 0.0 or self.direction < 0.0:
             return INFINITY
         return fmax(IN_CONTACT / self.c.contact_frequency,

@@ -20,8 +20,8 @@ typedef struct {
     double *share_head;     /* [Z x S x H] */
 } rs_arrow;
 
-/* Every function returns 0; -1: a Python error is set; k > 0: refused, the owner's refusal() tells what. All that
-   comes in is finite; all of what goes out is written. Called without the GIL. */
+/* Every function returns 0; -1: a Python error is set; k > 0: refused, the owner's refusal() says what. All
+   arguments are finite; all results are written. Called without the GIL. */
 typedef struct {
     size_t head;      /* H unknowns before the rollers; n = H + rollers*(block + shares) + ledger */
     size_t rollers;   /* Z */
@@ -42,41 +42,41 @@ typedef struct {
     int autonomous;        /* 1: no time in the rates */
     void *state;
     void *speeds_state;    /* of functions that read speeds alone: until_contact, drift, flight, clear */
-    /* What moves fast, for steps that have to resolve it; members are appended here and never moved.
-       Angular frequencies [rad/s]: of what touches and parts, while it touches; the fastest of what swings all the
-       time. 0: there is none, or nobody tells. */
+    /* Fast motions, which steps have to resolve; members are appended here and never moved.
+       Angular frequencies [rad/s]: of contacts that close and open, while one is closed; the fastest of permanent
+       oscillations. 0: there is none, or it is not known. */
     double contact_frequency;
     double swing_frequency;
-    /* time [s] after which something touches at the present speeds, 0 while something does, INFINITY if nothing
-       will; NULL with a contact_frequency of 0 */
+    /* time [s] after which a contact closes at the present speeds, 0 while one is closed, INFINITY if none will;
+       NULL with a contact_frequency of 0 */
     double (*until_contact)(double t, const double *y, void *speeds_state);
     /* places: unknowns whose rates are sums of speeds with constant factors, and nothing else. [n] 0 for a place, 1
-       for any other; NULL: not told. drift adds h times the rates of the places to them, nothing else moves. */
+       for any other; NULL: not known. drift adds h times the rates of the places to them, nothing else moves. */
     const double *kicked;
     int (*drift)(double h, double *y, void *speeds_state);
     /* all rates at once [n], the same to rounding; NULL: the parts above are summed */
     int (*rates)(double t, const double *y, double *rates, void *state);
     /* What changes slowly, friction above all, may be held between evaluations, linear in time and speeds
        about the state where it was evaluated last; NULL: nothing is.
-       renew evaluates it at (t, y) and holds it; `told` gets the fastest rate [1/s] at which it damps the speeds of
-       a roller, and, where compared is not 0, how far what was held until then had gone from it, as a share.
+       renew evaluates it at (t, y) and holds it; `report` gets the fastest rate [1/s] at which it damps the speeds
+       of a roller, and, where compared is not 0, the relative error of what was held until then.
        held gives all rates by it; with half > 0, of a step of 2 half whose rates of kicked unknowns were `before`,
        with friction as it is at the speeds in the middle of the step that it brings about. */
-    int (*renew)(double t, const double *y, int compared, double *told, void *state);
+    int (*renew)(double t, const double *y, int compared, double *report, void *state);
     int (*held)(double t, const double *y, double half, const double *before, double *rates, void *state);
     /* while not 0, rates and their parts leave friction as it was held: what is damped without it */
     int *still;
-    /* time for which nothing touches if the rates stay what they are, at most `most`; NULL: not told */
+    /* time in which no contact closes if the rates stay as they are, at most `most`; NULL: not known */
     double (*flight)(double t, const double *y, const double *rates, double most, void *speeds_state);
-    /* What touches and parts, apart from all else, so that its swings are resolved in shorter steps than those
-       between which all else is evaluated; NULL: not told.
-       while *apart is not 0, held leaves out what touches. go drifts by h from t on, and in parts of h adds to
-       speeds and ledger what touches does, its damping as it is at the speeds in the middle. clear: whether
-       nothing will touch for a time h from where held was asked last, at the speeds there. */
+    /* Contacts that close and open, apart from all other forces, so that substeps resolve their oscillations;
+       NULL: not separated.
+       While *apart is not 0, held leaves contacts out. go drifts by h from t on, and in parts of h adds to speeds
+       and ledger what contacts do, with the damping at the speeds in the middle. clear: whether no contact closes
+       within a time h from where held was called last, at the speeds there. */
     int *apart;
     int (*go)(double t, double h, size_t parts, double *y, void *state);
     int (*clear)(double h, void *speeds_state);
-    /* what is recorded of each roller, as the ledger is of all; 0 of systems that do not say */
+    /* values recorded of each roller, as the ledger is of all; 0 of systems that record none */
     size_t shares;
 } rs_system;
 #endif

@@ -68,16 +68,16 @@ cdef class System:
 
     @property
     def frequencies(self) -> tuple[float, float]:
-        """Angular frequencies [rad/s] of what touches and parts, and of what swings all the time; 0 if not told."""
+        """Angular frequencies [rad/s] of contacts that close and open, and of permanent oscillations; 0 if unknown."""
         return self.c.contact_frequency, self.c.swing_frequency
 
     def until_contact(self, double t, y: ArrayLike) -> float:
-        """Return the time [s] after which something touches at the present speeds; 0 while something does."""
+        """Return the time [s] after which a contact closes at the present speeds; 0 while one is closed."""
         cdef double[::1] given = self._unknowns(y)
         return self.c.until_contact(t, &given[0], self.c.speeds_state) if self.c.until_contact != NULL else np.inf
 
     def flight(self, double t, y: ArrayLike, rates: ArrayLike, double most) -> float:
-        """Return for how long nothing touches [s] if the rates stay what they are, at most ``most``; 0 if not told."""
+        """Return a time [s] in which no contact closes if rates stay as they are, at most ``most``; 0 if unknown."""
         cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
         return self.c.flight(t, &given[0], &going[0], most, self.c.speeds_state) if self.c.flight != NULL else 0.0
 
@@ -88,15 +88,15 @@ cdef class System:
         """Return all rates at (t, y) with what is held as it is at (since, at); None where nothing is held.
 
         With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for; ``apart`` leaves out
-        what touches, where `go` goes through that.
+        contacts, for which `go` takes substeps.
         """
         cdef double[::1] then = self._unknowns(at), given = self._unknowns(y), rates = np.empty(1 + self.n)
         cdef double[::1] old = np.zeros(self.n) if before is None else self._unknowns(before)
-        cdef double told[2]
+        cdef double report[2]
         cdef int status
         if self.c.renew == NULL:
             return None
-        self._check(self.c.renew(since, &then[0], False, told, self.c.state), since)
+        self._check(self.c.renew(since, &then[0], False, report, self.c.state), since)
         if apart:
             self.c.apart[0] = 1
         status = self.c.held(t, &given[0], half, &old[0], &rates[0], self.c.state)
@@ -106,7 +106,7 @@ cdef class System:
         return np.asarray(rates)[:self.n]
 
     def go(self, double t, double h, size_t parts, y: ArrayLike) -> Array | None:
-        """Return places after h, and speeds by what touches alone, gone through in parts of h; None if not told."""
+        """Return places after h, and speeds by contacts alone, in substeps of h; None if they are not separated."""
         cdef double[::1] given = self._unknowns(y)
         if self.c.go == NULL:
             return None
@@ -115,7 +115,7 @@ cdef class System:
 
     @property
     def places(self) -> NDArray[np.bool_]:
-        """Which unknowns are places, whose rates are sums of speeds; none where it is not told."""
+        """Which unknowns are places, whose rates are sums of speeds; none where it is not known."""
         return np.zeros(self.n, bool) if self.c.kicked == NULL else np.asarray(
             <double[:self.n]><double *>self.c.kicked) == 0.0
 
@@ -281,7 +281,7 @@ def python_system(
         Which unknowns of a system without rollers and ledger are places: True where the rate is a sum of speeds with
         constant factors.
     swing_frequency
-        The fastest angular frequency [rad/s], if it is to be told.
+        The fastest angular frequency [rad/s], if it is known.
     """
     cdef _PythonSystem made = _PythonSystem()
     cdef size_t n = head + rollers * block + ledger

@@ -259,10 +259,10 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     return 0
 
 
-cdef int _renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
+cdef int _renew(double t, const double *y, int compared, double *report, void *state) noexcept nogil:
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
     cdef int status = _look(<varying_t *>state, t)
-    return status if status != 0 else s.renew(t, y, compared, told, s.state)
+    return status if status != 0 else s.renew(t, y, compared, report, s.state)
 
 
 cdef int _held(double t, const double *y, double half, const double *before, double *rates, void *state) noexcept nogil:
@@ -406,7 +406,7 @@ cdef class Varying:
         return number
 
     def system(self, double swing_frequency=0.0):
-        """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
+        """Return the capsule "rollslip.system.v1"; with a frequency of rollers between rings [rad/s], if known."""
         cdef rs_system s = self.v.stations[0].system[0]
         s.roller_rates, s.head_rates, s.watch, s.jacobian = _roller_rates, _head_rates, _watch, NULL
         s.scale, s.autonomous, s.state, s.rates = &self.scale[0], self.autonomous, &self.v, _rates
