@@ -652,6 +652,7 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
         **describe_operation(operation),
     }
     varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
+    varied |= {coordinate.attrs.get("key") for coordinate in dataset.coords.values()}
     return tuple(text for key, text in parts.items() if text and key not in varied)
 
 

@@ -20,7 +20,7 @@ __all__ = ["CasesAccount", "mean_over_time", "time_by_verdict", "worst_first"]
 #: Cases in an answer, the worst ones. Chosen: with rows, notes and next step they fill 15 lines.
 _SHOWN: Final = 5
 #: Variables of the cases in an answer.
-_COLUMNS: Final = ("verdict", "slip", "minimum_load", "drag_reserve", "friction_torque")
+_COLUMNS: Final = ("verdict", "slip", "minimum_load", "friction_torque")
 
 #: Variables whose mean over time is reported.
 _AVERAGED: Final = ("friction_torque", "heat")

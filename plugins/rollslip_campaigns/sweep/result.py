@@ -222,7 +222,7 @@ def origin_of_points(
     **facts : object
         Further attributes.
     """
-    varied_keys = {*map(full_key, sweep.table.over)}
+    varied_keys = {*map(full_key, [*sweep.table.over, *sweep.design.keys])}
     outside = [message["text"] for message in validity.get("messages", ()) if message["is_warning"]]
     return origin(
         **facts,
