@@ -71,7 +71,7 @@ UNITS_TOLERANCE: Final = 1e-10
 MANY: Final = 515
 #: Number of slices for NumPy forms where many calls are made: a block of 64 and a remainder. Doubling it finds the same
 #: faults in twice the time.
-FEW: Final = 67
+N_NUMPY_SLICES: Final = 67
 #: Number of threads that evaluate a model at once. Doubling it makes collisions more likely and the check slower.
 #: Chosen.
 THREADS: Final = 8
@@ -294,7 +294,7 @@ def check_compiled_equals_numpy(model: SliceModel) -> None:
 def check_does_not_depend_on_the_block_size(model: SliceModel) -> None:
     """A chain cuts its slices into blocks as it likes."""
     for form, shaped in forms_of(model):
-        slices = table(shaped, MANY if form == "compiled" else FEW)
+        slices = table(shaped, MANY if form == "compiled" else N_NUMPY_SLICES)
         whole = evaluate(shaped, copy_of(slices), 0)
         for block in (1, 2, 7, 64, 256):
             same(
@@ -360,7 +360,7 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
     for form, shaped in forms_of(model):
         # the reference beside a kernel is not what threads run: a few slices, once
         is_run = form == "compiled" or model.kernel() is None
-        slices = table(shaped, (FEW, MANY)[is_run])
+        slices = table(shaped, (N_NUMPY_SLICES, MANY)[is_run])
         if not len(slices):
             continue
         n = _slices_of_a_millisecond(shaped, slices) if form == "compiled" else len(slices)
