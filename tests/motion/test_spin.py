@@ -70,9 +70,9 @@ def test_a_place_given_twice_is_kept_and_one_without_balance_is_told():
     high = np.full(POSITIONS, 1.0)
     low[1:] = high[1:]
     unknown = np.full((2, POSITIONS), np.nan)
-    place, lost, ended = Spin(POSITIONS, lambda _: (unknown, unknown), RADII, ROLLING).find_balances(
-        low, high
-    )
+    place, lost, ended = Spin(
+        POSITIONS, lambda _: (unknown, unknown), RADII, ROLLING
+    ).find_balances(low, high)
     assert ended == "lost"
     assert lost.tolist() == [True] + [False] * (POSITIONS - 1)
     np.testing.assert_array_equal(place[1:], 1.0)
@@ -90,7 +90,10 @@ def test_errors_of_forces_come_back_as_they_are():
     ("call", "told"),
     [
         (lambda spin: spin.torques(np.zeros(3)), "3 values for 41 positions"),
-        (lambda spin: spin.set_leads(np.zeros(41), np.zeros(4)), "41 and 4 speeds for 41 positions"),
+        (
+            lambda spin: spin.set_leads(np.zeros(41), np.zeros(4)),
+            "41 and 4 speeds for 41 positions",
+        ),
         (lambda spin: spin.find_balances(np.zeros(41), np.zeros(2)), "2 values for 41 positions"),
     ],
 )

@@ -798,7 +798,9 @@ class Motions:
         """
         k = self.assembly.kinematics
         spin_torque, torque = self._torques(spins, roller_slips)
-        nudged_spin_torque, nudged_torque = self._torques(spins, roller_slips + DIFFERENTIATION_STEP)
+        nudged_spin_torque, nudged_torque = self._torques(
+            spins, roller_slips + DIFFERENTIATION_STEP
+        )
         # below zero the spin is not in a stable balance
         rise = np.maximum(nudged_spin_torque - spin_torque, 0.0)
         fall = np.divide(
