@@ -1,5 +1,5 @@
-# What the levels of the dynamics have in common: friction of the raceways, drags on the cage, what is watched, recorded and
-# refused.  Their numbers and columns stand in bearing.h.
+# What the levels of the dynamics have in common: friction of the raceways, drags on the cage, what is watched, recorded
+# and refused.  Their numbers and columns stand in bearing.h.
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport fabs, fmin
