@@ -142,9 +142,8 @@ def percent(value):
 
 def write_rows(name, header, rows):
     """Write a table with new rows in place of those of the same scenes, in the order of the scenes."""
-    new = {row[0]: row for row in rows}
-    if len(new) < len(SCENES):
-        new = {old[header[0]]: list(old.values()) for old in read_table(name)} | new
+    new = {old[header[0]]: list(old.values()) for old in read_table(name)}
+    new |= {row[0]: row for row in rows}
     write_table(name, header, new.values())
 
 
