@@ -87,8 +87,14 @@ def print_short_plan(plan: "Plan") -> None:
     from rollslip.planning.lines import describe_resolution, format_time
     from rollslip.results.text import duration_range, percent
 
-    purpose = f" for {' and '.join(plan.studies)}"
-    click.echo(format_time(plan.seconds, plan.studies.values(), plan.assembly, purpose))
+    click.echo(
+        format_time(
+            plan.seconds,
+            plan.studies.values(),
+            plan.assembly,
+            purpose=f" for {' and '.join(plan.studies)}",
+        )
+    )
     for study in plan.studies:
         errors = combine_errors((part.errors for part in plan.parts if part.study == study), sum)
         named = {name.replace("_", " "): error for name, error in errors.items()}

@@ -651,8 +651,11 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
         "lubricant.name": oil,
         **describe_operation(operation),
     }
-    varied = {attributes.get("searched_key"), *json.loads(attributes.get("axes", "[]"))}
-    varied |= {coordinate.attrs.get("key") for coordinate in dataset.coords.values()}
+    varied = {
+        attributes.get("searched_key"),
+        *json.loads(attributes.get("axes", "[]")),
+        *(coordinate.attrs.get("key") for coordinate in dataset.coords.values()),
+    }
     return tuple(text for key, text in parts.items() if text and key not in varied)
 
 
