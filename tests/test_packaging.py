@@ -45,6 +45,17 @@ def test_the_conda_recipe_asks_for_what_the_project_asks_for():
     assert (ROOT / RECIPE["about"]["license_file"]).is_file()
 
 
+def test_a_wheel_has_every_package():
+    """An editable installation has them all, whatever the list says."""
+    listed = PROJECT["tool"]["setuptools"]["packages"]
+    found = [
+        ".".join(path.parent.relative_to(ROOT / source).parts)
+        for source in ("framework", "plugins", "kernels")
+        for path in (ROOT / source).rglob("__init__.py")
+    ]
+    assert sorted(listed) == sorted(found)
+
+
 def test_the_image_has_a_python_that_the_project_runs_on():
     text = (PACKAGING / "Dockerfile").read_text(encoding="utf-8")
     (version,) = re.findall(r"^ARG PYTHON=(.+)$", text, re.MULTILINE)
