@@ -10,8 +10,10 @@ from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.table import sheet
+from rollslip_campaigns.window import WindowSettings
 from rollslip_campaigns.window.figures import draw_window, window_figures
 from rollslip_campaigns.window.findings import describe_window
+from rollslip_campaigns.window.window import plan_window
 
 #: Few slices, and rollers set in the cage: quick, and both limits with all that belongs to them.
 SCENE = evolve(
@@ -75,6 +77,18 @@ def test_it_says_where_the_load_lies(found, load, place):
     if np.isnan(load):
         changed = found.assign(minimum_load=found["minimum_load"] * np.nan)
     assert place in describe_window(changed)
+
+
+def test_a_minimum_above_the_largest_load_is_an_empty_window(found):
+    text = describe_window(found.assign(minimum_load=2.0 * found["largest_load"]))
+    assert "no load is safe" in text
+
+
+def test_of_the_rings_the_faster_one_varies():
+    turned = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "1500 rpm"}
+    made = plan_window(WindowSettings(evolve(SCENE, turned)))
+    assert made.varied.key == "operation.outer_speed"
+    assert made.values[-1] == pytest.approx(100.0 * np.pi)
 
 
 def test_without_its_own_value_it_says_both_ends(found):

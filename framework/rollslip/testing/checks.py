@@ -360,7 +360,7 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
     for form, shaped in forms_of(model):
         # the reference beside a kernel is not what threads run: a few slices, once
         is_run = form == "compiled" or model.kernel() is None
-        slices = table(shaped, (N_NUMPY_SLICES, MANY)[is_run])
+        slices = table(shaped, MANY if is_run else N_NUMPY_SLICES)
         if not len(slices):
             continue
         n = _slices_of_a_millisecond(shaped, slices) if form == "compiled" else len(slices)
@@ -375,7 +375,7 @@ def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
                 tolerance=0.0,
                 what=f"{form} form, eight threads",
             )
-            tasks.append(partial(_repeat, chain, given, compare, is_run * MEETING))
+            tasks.append(partial(_repeat, chain, given, compare, MEETING if is_run else 0.0))
         _together(tasks)
 
 

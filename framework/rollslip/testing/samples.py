@@ -385,10 +385,11 @@ def for_all_tables(model: SliceModel, check: Callable[[Slices], None]) -> None:
     random = np.random.default_rng(0)
     left = _examples()
     for _ in range(10 * left):
-        if left:
-            with contextlib.suppress(Unsuitable):
-                check(drawn_table(model, random))
-                left -= 1
+        with contextlib.suppress(Unsuitable):
+            check(drawn_table(model, random))
+            left -= 1
+        if not left:
+            return
 
 
 def for_all(strategy: "st.SearchStrategy[T]", check: Callable[[T], None]) -> None:

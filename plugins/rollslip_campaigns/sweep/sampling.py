@@ -61,6 +61,7 @@ __all__ = [
     "read_fraction",
     "read_overs",
     "read_range",
+    "read_span",
 ]
 
 #: Names of the sampling methods.

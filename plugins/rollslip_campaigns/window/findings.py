@@ -30,11 +30,10 @@ class WindowAccount(Account):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return where the load of the scene lies in its window, and the window at each value."""
         attrs = dataset.attrs
-        failed = [point["message"] for point in rows_along(dataset, "point") if point["message"]]
         chosen = np.linspace(0, dataset.sizes["point"] - 1, min(_SHOWN, dataset.sizes["point"]))
         return Answer(
             summary=describe_window(dataset),
-            faults=tuple(dict.fromkeys(failed)),
+            faults=tuple(_missing(dataset)[:1]),
             assumed=(
                 f"slip up to {percent(attrs['acceptable_slip'])}; rating life of {attrs['hours']:,.10g} h without "
                 f"modification; C0 over {attrs['static_safety']:g}",
@@ -51,13 +50,7 @@ class WindowAccount(Account):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences by topic: the window, and what is not known."""
-        missing = [
-            f"no {name} at {_at(dataset, k)}: {text}"
-            for name in ("minimum_load", "largest_load")
-            for k, text in enumerate(dataset[f"{name}_status"].to_numpy().astype(str))
-            if not np.isfinite(dataset[name][k])
-        ]
-        topics = {"window": [describe_window(dataset)], "not known": missing}
+        topics = {"window": [describe_window(dataset)], "not known": _missing(dataset)}
         return {name: lines for name, lines in topics.items() if lines}
 
     @staticmethod
@@ -84,6 +77,16 @@ class WindowAccount(Account):
         return point_table(point_rows(dataset[[*_COLUMNS]]), [dataset["varied"].attrs["key"]])
 
 
+def _missing(dataset: "xr.Dataset") -> list[str]:
+    """Return in words which loads are not known, and why."""
+    return [
+        f"no {name.replace('_', ' ')} at {_at(dataset, k)}: {point[f'{name}_status'] or point['message']}"
+        for name in ("minimum_load", "largest_load")
+        for k, point in enumerate(rows_along(dataset, "point"))
+        if not np.isfinite(point[name])
+    ]
+
+
 def describe_window(dataset: "xr.Dataset") -> str:
     """Return in words whether the load of the scene is in its window, or the window at both ends of the range."""
     own = int(dataset["own_point"])
@@ -95,7 +98,9 @@ def describe_window(dataset: "xr.Dataset") -> str:
     low = float(dataset["minimum_load"][own])
     high = float(dataset["largest_load"][own])
     place = "inside the window"
-    if load < low:
+    if low > high:
+        place = "in an empty window, in which no load is safe,"
+    elif load < low:
         place = "below the window"
     elif load > high:
         place = "above the window"

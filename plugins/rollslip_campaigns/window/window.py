@@ -33,8 +33,8 @@ from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["WindowPlan", "plan_window", "run_window"]
 
-#: What varies if nothing else is asked for.
-_SPEED: Final = "operation.inner_speed"
+#: Of these the faster one varies if nothing else is asked for.
+_SPEEDS: Final = ("inner_speed", "outer_speed")
 #: Its range by default, relative to the speed of the scene. Chosen: a gear or a load case beside the stated one.
 _SPEED_RANGE: Final = (0.25, 2.0)
 #: Values by default, besides that of the scene. Chosen: curves of loads over speed have no sharp bends.
@@ -100,11 +100,12 @@ def plan_window(requested: WindowSettings) -> WindowPlan:
         raise_problem_if(
             not (np.isfinite(value) and value > 0.0), f"{name}: must be above 0, got {value:g}"
         )
-    own = given.operation.inner_speed
+    ring = max(_SPEEDS, key=lambda name: abs(getattr(given.operation, name)))
+    own = getattr(given.operation, ring)
     text = ":".join(
         f"{factor * own:.6g} rad/s" for factor in sorted(_SPEED_RANGE, key=lambda f: f * own)
     )
-    over = read_overs(requested.over or {_SPEED: text})
+    over = read_overs(requested.over or {f"operation.{ring}": text})
     raise_problem_if(
         len(over) != 1,
         f"over: a window is over one quantity, not {len(over)}; sweep several with rollslip sweep run",
