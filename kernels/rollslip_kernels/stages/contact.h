@@ -157,14 +157,16 @@ STAGE(tabulated_deflection, COL_approach, COL_load | COL_stiffness) {
     double first_load = rs_exp(q->log_load[0]), last_load = rs_exp(q->log_load[DEFLECTION_KNOTS - 1]);
     double first_slope = first_load / first, last_slope = last_load * q->slope[DEFLECTION_KNOTS - 1];
     double logarithm[BLOCK], slope[BLOCK];
+    int64_t interval[BLOCK];   /* by bisection of all slices at once: the last knot that is not above the approach */
     size_t n = WHOLE(s->n);
-    for (size_t i = 0; i < n; i++) {
-        size_t low = 0, high = DEFLECTION_KNOTS - 1;
-        while (high - low > 1) {
-            size_t middle = (low + high) / 2;
-            if (approach[i] >= knots[middle]) low = middle;
-            else high = middle;
+    EACH(i, n) interval[i] = 0;
+    for (int64_t half = DEFLECTION_HALF; half > 0; half /= 2)
+        EACH(i, n) {
+            int64_t middle = interval[i] + half, next = middle < DEFLECTION_KNOTS - 2 ? middle : DEFLECTION_KNOTS - 2;
+            interval[i] = approach[i] < knots[next] ? interval[i] : next;
         }
+    EACH(i, n) {
+        int64_t low = interval[i], high = low + 1;
         double width = knots[high] - knots[low], x = (approach[i] - knots[low]) / width;
         double y = q->log_load[low], rise = q->log_load[high] - y;
         double left = width * q->slope[low], right = width * q->slope[high];

@@ -13,7 +13,7 @@ typedef struct {
     double power[3], last, knots[LIGHT_LOADS], columns[LIGHT_COLUMNS], rise[LIGHT_COLUMNS][LIGHT_LOADS];
 } light_params;
 /* approach, ln(load per length) and its derivative by the approach at rising approaches */
-enum { DEFLECTION_KNOTS = 320 };
+enum { DEFLECTION_KNOTS = 320, DEFLECTION_HALF = 256 };   /* HALF: the largest power of two below KNOTS */
 typedef struct { double approach[DEFLECTION_KNOTS], log_load[DEFLECTION_KNOTS], slope[DEFLECTION_KNOTS]; } deflection_table;
 enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 /* Factor of a heated inlet by Lt^0.62, which film and resistance to rolling share          [Murch and Wilson 1975] */
