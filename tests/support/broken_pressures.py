@@ -119,6 +119,28 @@ class Deaf(Power):
         return self.power * np.log1p(rise)
 
 
+@breaks("check_fall_with_temperature_is_the_derivative_of_the_viscosity")
+class Warmed(Power):
+    """A law whose fall with temperature has gamma with the wrong sign."""
+
+    def at(self, conditions, pressure):
+        viscosity, fall = super().at(conditions, pressure)
+        return viscosity, 2.0 * conditions.thermoviscosity - fall
+
+
+@breaks("check_slope_without_pressure_is_alpha")
+class Doubled(Power):
+    """A law that rises twice as fast as the oil says."""
+
+    def at(self, conditions, pressure):
+        twice = attrs.evolve(
+            conditions,
+            pressure_viscosity=2.0 * conditions.pressure_viscosity,
+            pressure_thermoviscosity=2.0 * conditions.pressure_thermoviscosity,
+        )
+        return super().at(twice, pressure)
+
+
 @breaks("check_pressure_does_not_fall_with_the_load")
 class Relieved(Squeezed):
     """A pressure that falls where the load is large."""

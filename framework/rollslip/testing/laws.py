@@ -6,7 +6,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial, wraps
 from itertools import pairwise
 from typing import Final
@@ -15,11 +15,11 @@ import attrs
 import numpy as np
 from hypothesis import strategies as st
 
-from rollslip.catalogue.registry import available, get_class
+from rollslip.catalogue.registry import available, get_class, get_model
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
-from rollslip.lubricant.pressure import PressureViscosity
+from rollslip.lubricant.pressure import Array, PressureViscosity
 from rollslip.lubricant.table import unusual_properties
 from rollslip.models import (
     ContactModel,
@@ -59,8 +59,9 @@ from rollslip.testing.samples import (
     signed,
     table,
 )
+from rollslip.units import format_quantity
 from rollslip_kernels.chain import Chain
-from rollslip_kernels.slices import Slices
+from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 from rollslip_kernels.stages import drag as compiled
 
 #: Kinds of the laws of a contact, for which an oil has constants.
@@ -309,6 +310,82 @@ def check_without_pressure_the_oil_is_as_it_was(
 def check_viscosity_does_not_fall_with_pressure(law: PressureViscosity) -> None:
     """An oil that is pressed does not thin."""
     drawn(law, _monotonic("pressure", {"film_viscosity": 0}))
+
+
+#: Change of temperature in differences of the logarithm of the viscosity [K]. Half and twice the value find the same
+#: faults; chosen, because what it leaves of the third derivative, and of the rounding, is far below the tolerance.
+_WARMING: Final = 0.01
+#: Pressures at which the fall of the viscosity with temperature is compared [Pa]: up to those of heavy contacts.
+_PRESSURES: Final = (0.0, 0.2e9, 0.5e9, 1.0e9)
+
+
+def _conditions_of_oils() -> Iterator[Conditions]:
+    """Yield those of the built-in oils that give an alpha and its fall, at both ends and the middle of their ranges."""
+    for name, offer in available("lubricant").items():
+        if offer.package != "rollslip":
+            continue
+        oil = get_model("lubricant", name)
+        for T in np.linspace(oil.minimum_temperature, oil.maximum_temperature, 3).tolist():
+            state = attrs.asdict(oil.at(T))
+            values = {name: state[name] for name in CONDITIONS if name in state}
+            yield Conditions(**{**values, "temperature": T})
+
+
+def _log_viscosity(law: PressureViscosity, conditions: Conditions, pressures: Array) -> Array:
+    return np.log(law.at(conditions, pressures)[0])
+
+
+@rule(PressureViscosity)
+def check_fall_with_temperature_is_the_derivative_of_the_viscosity(law: PressureViscosity) -> None:
+    """-dln(eta)/dT of the built-in oils, by differences: eta0 changes by beta0 and alpha by gamma with temperature."""
+    for c in _conditions_of_oils():
+        for pressure in _PRESSURES:
+            ends = []
+            try:
+                found = float(law.at(c, np.array([pressure]))[1][0])
+                for kelvin in (-_WARMING, _WARMING):
+                    warmed = attrs.evolve(
+                        c,
+                        temperature=c.temperature + kelvin,
+                        viscosity=c.viscosity * math.exp(-c.thermoviscosity * kelvin),
+                        pressure_viscosity=c.pressure_viscosity
+                        - c.pressure_thermoviscosity * kelvin,
+                    )
+                    ends.append(float(_log_viscosity(law, warmed, np.array([pressure]))[0]))
+            except DomainError:
+                continue
+            expected = (ends[0] - ends[1]) / (2.0 * _WARMING)
+            refuse_unless(
+                abs(found - expected) <= 1e-4 * abs(expected) + 1e-8,
+                f"film_thermoviscosity is {found:.6g} 1/K, by differences of ln(eta) over the temperature "
+                f"{expected:.6g} 1/K, at {format_quantity(pressure, 'Pa')}, {format_quantity(c.temperature, 'K')}, "
+                f"eta0 = {c.viscosity:.6g} Pa s and alpha = {c.pressure_viscosity:.6g} 1/Pa",
+            )
+
+
+@rule(PressureViscosity)
+def check_slope_without_pressure_is_alpha(law: PressureViscosity) -> None:
+    """dln(eta)/dp at no pressure is the alpha of the oil, or ``coefficient`` of a law that determines it."""
+    law = law.of_oil()
+    refuse_unless(
+        "pressure_viscosity" in law.reads or not math.isnan(law.coefficient(300.0)),
+        "it does not read pressure_viscosity, and coefficient() is nan: return the slope of ln(eta) at no pressure",
+    )
+    for c in _conditions_of_oils():
+        alpha = law.coefficient(c.temperature)
+        if math.isnan(alpha):
+            alpha = c.pressure_viscosity
+        small = 1e-4 / alpha
+        try:
+            none, once, twice = _log_viscosity(law, c, np.array([0.0, small, 2.0 * small]))
+        except DomainError:
+            continue
+        slope = (2.0 * (once - none) - 0.5 * (twice - none)) / small
+        refuse_unless(
+            abs(slope - alpha) <= 1e-5 * alpha,
+            f"dln(eta)/dp at no pressure is {slope:.6g} 1/Pa, by differences, for an alpha of {alpha:.6g} 1/Pa, at "
+            f"{format_quantity(c.temperature, 'K')} and eta0 = {c.viscosity:.6g} Pa s",
+        )
 
 
 @rule(PressureViscosity)
