@@ -237,6 +237,28 @@ class Reference:
 Citation = Reference | str
 
 
+def _read_only(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    return MappingProxyType(dict(values))
+
+
+@attrs.frozen(kw_only=True)
+class ReferenceValue:
+    """A number that somebody else has printed, measured or computed, and that a model has to reproduce."""
+
+    #: What goes in, in SI units: members of a slice, speeds of a drag or fields of a bearing's duty, by name.
+    inputs: Mapping[str, Any] = attrs.field(converter=_read_only)
+    #: The number, in SI units.
+    value: float
+    #: Relative difference that the digits of the source, or its accuracy, allow.
+    rtol: float
+    #: Where the number stands: citation with page, table or equation, or how it was worked out.
+    source: str
+    #: Column that holds the number, for laws that fill several.
+    column: str = ""
+    #: Parameters of the model, where they are not its defaults.
+    parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=_read_only)
+
+
 class CitedModel(abc.ABC):
     """What each model says of itself, of whatever kind it is."""
 
@@ -248,6 +270,8 @@ class CitedModel(abc.ABC):
     references: ClassVar[tuple[Citation, ...]]
     #: Rule of the conformance kit that the model breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    #: Numbers of others that the conformance kit compares with those of the model.
+    reference_values: ClassVar[tuple[ReferenceValue, ...]] = ()
 
 
 def _short(author: str) -> str:

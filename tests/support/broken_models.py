@@ -1377,6 +1377,14 @@ class _UnsourcedTorque(Bearing):
     references = ()
 
 
+@breaks("check_torque_is_of_the_size_that_bearings_have")
+class _InMillimetres(Bearing):
+    """It takes the bore for millimetres."""
+
+    def terms(self, duty):
+        return {"load": 1e-3 * super().terms(duty)["load"]}
+
+
 @breaks("check_every_term_resists")
 class _Driving(Bearing):
     """Its oil drives fast bearings."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from broken_models import SOURCE, Film, Line, Resistance, Springs, Traction, listing
 from rollslip.fields import parameter, positive
-from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, TractionModel
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, ReferenceValue, TractionModel
 
 BROKEN = []
 breaks = listing(BROKEN)
@@ -50,6 +50,39 @@ class _SpringsInMegapascals(Springs):
 @breaks(SIZE)
 class ModulusInMegapascals(_SpringsInMegapascals):
     """A deflection whose modulus is taken for megapascals."""
+
+
+@breaks("check_friction_at_high_stress_is_measurable")
+class FrictionInMillionths(Traction):
+    """Friction is a millionth of what it should be."""
+
+    def law(self, V, u):
+        return 1e-6 * super().law(V, u)
+
+
+@breaks("check_reproduces_its_reference_values")
+class TwiceWhatWasPrinted(Traction):
+    """Friction is twice the number that it names as its source's."""
+
+    reference_values = (
+        ReferenceValue(
+            inputs={"sliding_speed": 1e3, "rolling_speed": 1.0},
+            value=0.025,
+            rtol=0.01,
+            source="half of its coefficient, worked out by hand",
+        ),
+    )
+
+
+@breaks("check_reproduces_its_reference_values")
+class ValueWithoutSpeed(Traction):
+    """Its number does not say at which rolling speed it was found."""
+
+    reference_values = (
+        ReferenceValue(
+            inputs={"sliding_speed": 1e3}, value=0.05, rtol=0.01, source="worked out by hand"
+        ),
+    )
 
 
 @breaks(SIZE, fraction=1.0)
@@ -118,6 +151,15 @@ class BisectsTwentyTimes(Film):
 # Time ----------------------------------------------------------------------------------------------------------------
 
 TIME = "check_python_runs_once_for_all_slices"
+
+
+@breaks(TIME)
+class Waits(Traction):
+    """Every evaluation waits 3 ms, as for a table that is read from a disk."""
+
+    def law(self, V, u):
+        time.sleep(3e-3)
+        return super().law(V, u)
 
 
 @breaks(TIME)

@@ -9,6 +9,7 @@ import pytest
 
 from rollslip import available, get_model
 from rollslip.catalogue.kinds import get_kind, kinds
+from rollslip.cli.models import print_models
 from rollslip.errors import PluginError
 from rollslip.testing import (
     Conformance,
@@ -325,3 +326,11 @@ def test_a_good_model_passes_in_a_process_of_its_own(tmp_path, monkeypatch):
 def test_a_model_that_nobody_offers_is_no_finding():
     with pytest.raises(PluginError, match="no film is called 'mos'; did you mean 'moes'"):
         check_in_subprocess("film", "mos")
+
+
+def test_a_model_shows_the_numbers_of_others_that_it_reproduces(capsys):
+    print_models("moes")
+    shown = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("value "))
+    # H = 7.187242 of the source, times R sqrt(2 U)
+    assert f"{7.187242 * 0.01 * 2e-10**0.5:.7g} at load = 200000" in shown
+    assert "composed in thirty digits" in shown

@@ -23,6 +23,7 @@ from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, UnknownNameError, did_you_mean, nearest
 from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
+from rollslip.references import ReferenceValue
 from rollslip.results.answer import RULES
 from rollslip.scene.schema import shown_range
 from rollslip.structure import fields_of, resolved
@@ -226,6 +227,10 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "equation": getattr(thing, "equation", ""),  # an engine has none
         "parameters": parameters,
         "references": list(map(str, getattr(thing, "references", ()))),
+        "reference_values": [
+            _reference_value_as_dict(reference)
+            for reference in getattr(thing, "reference_values", ())
+        ],
     }
     if outputs := getattr(thing, "outputs", None):  # of a study
         about["outputs"] = [
@@ -233,6 +238,12 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             for key, output in outputs.items()
         ]
     return about | _law_as_dict(kind, thing) if issubclass(thing, SliceModel) else about
+
+
+def _reference_value_as_dict(reference: ReferenceValue) -> dict[str, Any]:
+    """Return a number of others as plain values."""
+    values = attrs.asdict(reference, recurse=False)
+    return values | {name: dict(values[name]) for name in ("inputs", "parameters")}
 
 
 def _data_as_dict(kind: str, thing: Any) -> dict[str, Any]:
@@ -344,6 +355,14 @@ def _print_model(kind: str, name: str) -> None:
             click.echo(f"{key:<11} {' to '.join(as_list(about[key]))}")
     _print_data(kind, name, about)
     _print_law(about)
+    for w in about.get("reference_values", ()):
+        inputs = ", ".join(
+            f"{key} = {value:g}" if isinstance(value, float) else f"{key} = {value}"
+            for key, value in {**w["parameters"], **w["inputs"]}.items()
+        )
+        click.echo(
+            f"value       {w['value']:.7g} at {inputs}; {w['source']}, {100.0 * w['rtol']:.2g} % allowed"
+        )
     if about["references"]:
         click.echo("\n  ".join(["references", *about["references"]]))
 

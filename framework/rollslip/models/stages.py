@@ -233,8 +233,9 @@ class TractionModel(SliceModel):
     #: Regimes by which comparisons sort slices, weak up to 0.1 and strong beyond 1: name -> name of one of `quantities`
     #: and its symbol.
     regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
-    #: Shape of friction over slip, which the conformance kit checks: "cold" and "heated" -> "rises", "one maximum" or
-    #: "at most one maximum", and "bound" -> name of the parameter, or of the method of slices, that is its upper bound.
+    #: Shape of friction over slip, which the conformance kit checks: "cold" and "heated" -> "rises", "one maximum", "at
+    #: most one maximum", which is that of a law that declares none, or "any"; and "bound" -> name of the parameter, or
+    #: of the method of slices, that is its upper bound.
     shapes: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def groups(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":

@@ -40,6 +40,16 @@ from rollslip_kernels.slices import COLUMNS
 #: Rounding error of a sum of heat flows, relative to the largest of them [1]. Doubling it accepts the same models: a
 #: missing flow is larger by orders of magnitude. Chosen far above the rounding of a sum of a few terms.
 _ROUNDING = 1e-10
+#: f_0 and f_1 of Palmgren's torque [1]: those of a bath and series 2 in ISO 15312.
+_F0 = 2.0
+_F1 = 3e-4
+#: Factor by which a torque may differ from Palmgren's. Formulas in use differ by up to 4; a wrong unit by 9 or more,
+#: in powers. Doubling it accepts a torque in N mm of small bearings.
+_SIZE = 50.0
+#: Radial load over the square of the bore [Pa], a tenth of usual ratings, and pitch diameter times speed [m/s], of
+#: usual bearings at work. Chosen.
+_USUAL_PRESSURE = 4e6
+_USUAL_SPEED = 10.0
 #: Number of random inputs per rule. Doubling it doubles the time of the checks and finds rarer faults. Chosen.
 _DRAWN = 25
 
@@ -317,6 +327,31 @@ def check_every_term_resists(formula: TorqueFormula) -> None:
             names in (None, tuple(terms)), f"terms are {', '.join(terms)} here, {names} elsewhere"
         )
         names = tuple(terms)
+
+
+def _palmgren(duty: Duty) -> float:
+    """Return Palmgren's torque [N m]: 1e-7 f_0 (nu n)^(2/3) d_m^3 + f_1 F d_m, in mm2/s, 1/min, mm and N mm."""
+    assert duty.density is not None
+    flow = 1e6 * duty.viscosity / duty.density * abs(duty.speed) * 30.0 / math.pi
+    of_oil = 1e-7 * _F0 * max(flow, 2000.0) ** (2.0 / 3.0) * (1e3 * duty.pitch_diameter) ** 3
+    return float(1e-3 * (of_oil + _F1 * duty.radial_load * 1e3 * duty.pitch_diameter))
+
+
+@rule(TorqueFormula)
+def check_torque_is_of_the_size_that_bearings_have(formula: TorqueFormula) -> None:
+    """It is held against Palmgren's: what is a thousand times as large takes a speed or a length in another unit."""
+    for duty in _duties():
+        duty = attrs.evolve(
+            duty,
+            radial_load=_USUAL_PRESSURE * duty.bore * duty.bore,
+            speed=_USUAL_SPEED / duty.pitch_diameter,
+        )
+        torque = sum(_torque(formula, duty).values())
+        usual = _palmgren(duty)
+        refuse_unless(
+            usual / _SIZE <= torque <= usual * _SIZE,
+            f"{torque:.4g} N m, and {usual:.4g} N m by Palmgren, at {duty}; a speed in 1/min or a length in mm?",
+        )
 
 
 @rule(TorqueFormula)

@@ -9,21 +9,27 @@
 - A law declares the shape of its friction in ``shapes``; the same rule checks the built-in laws.
 """
 
-from collections.abc import Mapping
+import math
+import time
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Final
 
+import attrs
 import numpy as np
 
 from rollslip.errors import DomainError
 from rollslip.models import (
     ContactModel,
+    DragModel,
     FilmModel,
     PressureModel,
     ResistanceModel,
     SliceModel,
     TractionModel,
 )
+from rollslip.references import ReferenceValue
 from rollslip.search import Array
+from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.testing.rules import (
     Inapplicable,
     Nonconformance,
@@ -43,7 +49,7 @@ from rollslip.testing.samples import (
     shown,
     table,
 )
-from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 #: Column -> member with which it is compared, smallest and largest plausible ratio. Bearings have about 1e-5 to 1e-3 of
 #: film, 1e-3 to 1e-1 of width, 0.1 to 1 of stiffness (20 with elastic foundations), 1e-5 to 1e-2 of resistance, or 0.
@@ -61,6 +67,16 @@ HALVINGS: Final = 60
 #: Number of operations on columns per evaluation above which a law without a compiled form is reported as slow.
 #: Doubling it hides slow laws. Built-in laws without a compiled form need less than half of it, which a test checks.
 OPERATIONS: Final = 100
+#: Time of one evaluation of 256 slices above which a law without a compiled form is reported as slow [s]. Half of it
+#: would report laws on a busy computer; built-in laws without a compiled form need a tenth.
+SLOW: Final = 2e-3
+#: Number of evaluations that are timed. Half as many are disturbed more often by other work; chosen.
+_TIMED: Final = 5
+#: Smallest coefficient of friction that loaded contacts must reach at some slip and pressure [1]: measured ones are 100
+#: times as large. Doubling it finds the same faults.
+MIN_FRICTION: Final = 1e-4
+#: Largest relative tolerance of a reference value [1]. Doubling it accepts numbers that do not exclude a factor of two.
+MAX_RTOL: Final = 0.25
 #: Relative step of values that counts as rounding [1]. Doubling it hides very flat maxima. Chosen.
 ROUNDING: Final = 1e-12
 
@@ -112,6 +128,64 @@ def check_friction_does_not_jump_in_slip(model: TractionModel) -> None:
         f"mu jumps from {friction[0][i]:.6g} to {friction[1][i]:.6g} between the adjacent sliding speeds "
         f"{ends[0][i]:.17g} and {ends[1][i]:.17g} m/s; at {shown(model, at, i)}",
     )
+
+
+@rule(TractionModel)
+def check_friction_at_high_stress_is_measurable(model: TractionModel) -> None:
+    """Loaded contacts that slide have coefficients of some hundredths; below 1e-4 a unit or a constant is wrong."""
+    for form, shaped in forms_of(model):
+        filled = evaluate(shaped, table(shaped, 4096, BEARING))
+        largest = float(np.abs(filled.friction).max(initial=0.0))
+        refuse_unless(
+            not len(filled) or largest >= MIN_FRICTION,
+            f"{form} form: mu is {largest:.2g} at most, over all slips and pressures of loaded bearings",
+        )
+
+
+def _compared(model: Any, reference: ReferenceValue) -> Iterator[tuple[str, float]]:
+    """Yield the number that a reference value states, by each form of a model."""
+    model = attrs.evolve(model, **reference.parameters)
+    if isinstance(model, DragModel):
+        yield "its", model.torque(**reference.inputs)
+    elif isinstance(model, TorqueFormula):
+        yield "its", sum(model.terms(Duty(**reference.inputs)).values())
+    else:
+        conditions = {
+            name: reference.inputs[name] for name in CONDITIONS if name in reference.inputs
+        }
+        columns = {name: reference.inputs[name] for name in COLUMNS if name in reference.inputs}
+        refuse_unless(
+            {*conditions, *columns} == {*reference.inputs} and {*reference.inputs} >= model.reads,
+            f"a reference value gives {', '.join(sorted(reference.inputs))}; the law reads "
+            f"{', '.join(sorted(model.reads))}",
+        )
+        column = reference.column or (min(model.writes) if len(model.writes) == 1 else "")
+        refuse_unless(
+            column in model.writes,
+            f"a reference value has the column {column!r}; the law fills {', '.join(sorted(model.writes))}",
+        )
+        for form, shaped in forms_of(model):
+            filled = evaluate(shaped, Slices(1, Conditions(**conditions), **columns))
+            yield f"{form} form: {column}", float(getattr(filled, column)[0])
+
+
+@rule(SliceModel, DragModel, TorqueFormula)
+def check_reproduces_its_reference_values(model: Any) -> None:
+    """``reference_values`` are numbers of others: of a table, a figure, another program, or worked out by hand."""
+    if not model.reference_values:
+        raise Inapplicable("it has no reference_values: numbers of others, with their source")
+    for reference in model.reference_values:
+        refuse_unless(
+            isinstance(reference, ReferenceValue)
+            and 0.0 < reference.rtol <= MAX_RTOL
+            and len(reference.source.split()) >= 3,
+            f"{reference!r} needs a relative tolerance up to {MAX_RTOL:g} and a source in words",
+        )
+        for form, found in _compared(model, reference):
+            refuse_unless(
+                abs(found - reference.value) <= reference.rtol * abs(reference.value),
+                f"{form} is {found:.6g}, and {reference.value:.6g} by {reference.source} ({reference.rtol:g} allowed)",
+            )
 
 
 def _friction(slices: Slices, model: SliceModel, speed: Array, **others: float) -> Array:
@@ -199,6 +273,19 @@ def operations(model: SliceModel, slices: Slices) -> int:
     return _Counted.count
 
 
+def _shortest_time(model: SliceModel, slices: Slices) -> float:
+    """Return the shortest time of some evaluations [s], or the first that is not slow; other work may lengthen one."""
+    shortest = math.inf
+    for _ in range(_TIMED):
+        start = time.perf_counter()
+        with np.errstate(all="ignore"):
+            model.evaluate(slices)
+        shortest = min(shortest, time.perf_counter() - start)
+        if shortest <= SLOW:
+            break
+    return shortest
+
+
 @rule(SliceModel)
 def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     """A law without a compiled form is slow by what Python does in it, slice by slice or time and again."""
@@ -208,6 +295,13 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
     quarter = slices.taken(slice(0, max(len(slices) // 4, 1)))
     if len(slices) < 8:
         raise Inapplicable("there are too few slices that it takes")
+    seconds = _shortest_time(model, slices)
+    if seconds > SLOW:
+        raise Questionable(
+            f"evaluate() takes {1e3 * seconds:.2g} ms for {len(slices)} slices, the fastest of {_TIMED}; more than "
+            f"{1e3 * SLOW:g} ms make a run last minutes; move what does not depend on the slices to its parameters, or "
+            "compile it"
+        )
     count = operations(model, slices)
     count_of_quarter = operations(model, quarter)
     advice = (
@@ -230,8 +324,11 @@ def check_python_runs_once_for_all_slices(model: SliceModel) -> None:
 SHAPES: Final[Mapping[str, tuple[list[float], ...]]] = {
     "rises": ([1.0],),
     "one maximum": ([1.0, -1.0],),
-    "at most one maximum": ([1.0], [1.0, -1.0]),
+    "at most one maximum": ([], [1.0], [1.0, -1.0]),
+    "any": (),
 }
+#: Shape of a law that declares none.
+USUAL_SHAPE: Final = "at most one maximum"
 
 
 def turns(values: Array) -> list[float]:
@@ -256,9 +353,9 @@ def check_shapes_are_known(model: TractionModel) -> None:
 
 @rule(TractionModel)
 def check_friction_has_its_declared_shapes(model: TractionModel) -> None:
-    """Over slips from none to all, cold and heated, and below its bound, as laws in the box are held to theirs."""
-    if not model.shapes:
-        raise Inapplicable("it declares no shapes")
+    """Over slips from none to all, cold and heated, and below its bound; at most one maximum if it declares none."""
+    if "sliding_speed" not in model.reads:
+        raise Inapplicable("there is no slip to change")
     cold = {
         name: 0.0 for name in ("thermoviscosity", "pressure_thermoviscosity") if name in model.reads
     }
@@ -269,15 +366,16 @@ def check_friction_has_its_declared_shapes(model: TractionModel) -> None:
         base = table(shaped, 16, BEARING)
         for of, slope in (("cold", 0.0), ("heated", MAGNITUDES["film_thermoviscosity"][1])):
             others = {"film_thermoviscosity": slope} if heats else {}
-            wanted = SHAPES.get(model.shapes.get(of, ""))
+            shape = model.shapes.get(of, USUAL_SHAPE)
+            wanted = SHAPES[shape]
             for i in range(len(base)) if wanted else ():
                 at = base.taken(np.full(speed.size, i))
                 given = copy_of(at, **cold) if of == "cold" else at
                 mu = _friction(given, shaped, speed, **others)
                 refuse_unless(
-                    turns(mu) in (wanted or ()),
-                    f"{form} form: {of} friction over slip is to have the shape {model.shapes[of]!r}, its steps have "
-                    f"the signs {turns(mu)}, the largest {mu.max():.4g} at {speed[np.argmax(mu)]:.3g} m/s; "
+                    turns(mu) in wanted,
+                    f"{form} form: {of} friction over slip is to have the shape {shape!r}, its steps have the "
+                    f"signs {turns(mu)}, the largest {mu.max():.4g} at {speed[np.argmax(mu)]:.3g} m/s; "
                     f"at {shown(model, at, 0)}",
                 )
         if "bound" in model.shapes and len(base):

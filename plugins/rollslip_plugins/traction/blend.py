@@ -47,6 +47,8 @@ class _Blend(TractionModel, abc.ABC):
         {"film_thickness": POSITIVE, "roughness": POSITIVE}
     )
     covers: ClassVar[frozenset[str]] = frozenset({"film_parameter"})
+    # each of the two laws may have a maximum of its own
+    shapes = MappingProxyType({"cold": "any", "heated": "any"})
 
     boundary: TractionModel = submodel(
         "traction", factory=Kragelsky, doc="traction model of boundary friction"
