@@ -6,10 +6,11 @@ import math
 import attrs
 import numpy as np
 import pytest
-from scipy.integrate import OdeSolver
+from scipy.integrate import RK45, OdeSolver, Radau
 
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError
+from rollslip.models import IntegratorModel
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import System, python_system
 from rollslip_studies.motion import time_integration
@@ -563,3 +564,33 @@ def test_what_would_come_later_in_the_step_that_stops_is_no_event():
     )
     assert [(event.watched, event.time) for event in found.events] == [(0, pytest.approx(0.2))]
     assert (found.outcome, found.t.tolist()) == ("stopped", [0.0, pytest.approx(0.2)])
+
+
+class _PassesOptionsOn(Radau):
+    def __init__(self, fun, t0, y0, t_bound, **options):
+        super().__init__(fun, t0, y0, t_bound, **options)
+
+
+@pytest.mark.parametrize(
+    ("solver", "expected"), [(Radau, True), (_PassesOptionsOn, True), (RK45, False)]
+)
+def test_a_solver_gets_the_jacobian_that_its_base_class_takes(solver, expected):
+    given = []
+
+    class Recording(solver):
+        def __init__(self, fun, t0, y0, t_bound, **options):
+            given.append("jac" in options)
+            super().__init__(fun, t0, y0, t_bound, **options)
+
+    class Offered(IntegratorModel):
+        """A solver of SciPy, or one derived from it."""
+
+        name = "offered"
+
+        def solver(self):
+            return Recording
+
+    decay = problem(lambda t, y: -y, [1.0], jacobian=lambda t, y: -np.eye(1))
+    found = integrate(decay, Offered(), np.array([0.0, 1.0]), rtol=1e-8)
+    assert given == [expected]
+    np.testing.assert_allclose(found.last_y, np.exp(-1.0), rtol=1e-6)

@@ -935,6 +935,13 @@ class Forwards(Explicit):
     solver_name = "Forwards"
 
 
+@breaks("check_follows_an_angle_over_many_turns")
+class WithinATurn(Explicit):
+    """It takes every unknown above 2 pi for an angle, and a turn off it."""
+
+    solver_name = "WithinATurn"
+
+
 @breaks("check_adapts_its_steps")
 class FixedStep(Explicit):
     """Steps of 2e-3, whatever the problem."""

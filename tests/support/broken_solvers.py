@@ -1,9 +1,29 @@
 """The solvers of the integrators in `broken_models`, apart from them since SciPy takes its time to import."""
 
 import numpy as np
-from scipy.integrate import RK23, RK45, solve_ivp
+from scipy.integrate import DOP853, RK23, RK45, solve_ivp
 
-__all__ = ["RK23", "RK45", "Careless", "FixedStep", "Forwards", "Hides", "Straight", "solve_ivp"]
+__all__ = [
+    "RK23",
+    "RK45",
+    "Careful",
+    "Careless",
+    "FixedStep",
+    "Forwards",
+    "Hides",
+    "Straight",
+    "WithinATurn",
+    "solve_ivp",
+]
+
+
+class Careful(DOP853):
+    """As exact as numbers of 16 digits allow, at any tolerance."""
+
+    def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
+        super().__init__(
+            fun, t0, y0, t_bound, rtol=1e-13, atol=1e-13, **{"max_step": 0.02, **options}
+        )
 
 
 class Careless(RK45):
@@ -56,4 +76,11 @@ class Hides(RK45):
         message = super().step()
         if self.status == "failed":
             self.status = "finished"
+        return message
+
+
+class WithinATurn(RK45):
+    def step(self):
+        message = super().step()
+        self.y = np.where(self.y > 2.0 * np.pi, self.y - 2.0 * np.pi, self.y)
         return message

@@ -5,8 +5,10 @@ import subprocess
 import sys
 from types import SimpleNamespace
 
+import attrs
 import pytest
 
+from broken_models import Explicit
 from rollslip import available, get_model
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.cli.models import print_models
@@ -24,6 +26,7 @@ from rollslip.testing.numbers import OPERATIONS, operations
 from rollslip.testing.samples import table
 from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
 from rollslip_plugins.film.formulas import PanHamrock
+from rollslip_plugins.integrators.rules import check_error_falls_with_the_tolerance
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import GreenwoodTripp, LambdaBlend, LinearBlend, ZhouHoeprich
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
@@ -334,3 +337,11 @@ def test_a_model_shows_the_numbers_of_others_that_it_reproduces(capsys):
     # H = 7.187242 of the source, times R sqrt(2 U)
     assert f"{7.187242 * 0.01 * 2e-10**0.5:.7g} at load = 200000" in shown
     assert "composed in thirty digits" in shown
+
+
+def test_errors_of_rounding_need_not_fall_with_the_tolerance():
+    @attrs.frozen
+    class Careful(Explicit):
+        solver_name = "Careful"
+
+    check_error_falls_with_the_tolerance(Careful())

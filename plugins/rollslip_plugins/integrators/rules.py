@@ -16,6 +16,8 @@ from rollslip.testing.rules import Inapplicable, refuse_unless, rule
 _ROTATION = np.array([[-0.5, 1.0], [-1.0, -0.5]])
 #: Maximum number of evaluations before a solver counts as hanging. Chosen: some seconds; solvers need some thousands.
 _MAX_CALLS = 100_000
+#: Error that counts as rounding [1]: solutions are of the size of one, and some hundred steps add up.
+_ROUNDING = 1e-12
 #: Right side of a problem, and its solution as a function of time.
 _Problem = tuple[Callable[[float, Array], Array], Callable[[Any], Array]]
 
@@ -100,7 +102,7 @@ def check_converges_with_its_order(model: IntegratorModel) -> None:
             f"{steps} steps of {h:g} do not reach the end: {solver.status}",
         )
         errors.append(float(np.max(np.abs(solver.y - exact(4.0)))))
-    pairs = [(a, b) for a, b in pairwise(errors) if b > 1e-12]
+    pairs = [(a, b) for a, b in pairwise(errors) if b > _ROUNDING]
     refuse_unless(pairs, f"the errors {errors} leave nothing to measure an order from")
     found = math.log2(pairs[-1][0] / pairs[-1][1])
     refuse_unless(
@@ -118,7 +120,7 @@ def check_error_falls_with_the_tolerance(model: IntegratorModel) -> None:
         errors.append(float(np.max(np.abs(solution.y - _smooth()[1](solution.t)))))
         _error_at_most(errors[-1], rtol, "forwards")
     refuse_unless(
-        errors[-1] <= errors[0] / 100,
+        errors[-1] <= max(errors[0] / 100, _ROUNDING),
         f"the errors {errors} do not fall with rtol = 1e-4, 1e-6, 1e-8",
     )
 
@@ -140,6 +142,23 @@ def check_runs_backwards_in_time(model: IntegratorModel) -> None:
     for rtol in (1e-4, 1e-8):
         solution = _solved(model, _smooth(), 2.0, 0.0, rtol)
         _error_at_most(float(np.max(np.abs(solution.y[:, -1] - 1.0))), rtol, "backwards")
+
+
+@rule(IntegratorModel)
+def check_follows_an_angle_over_many_turns(model: IntegratorModel) -> None:
+    """Angles of cage and rollers grow without end: y' = (5 + 3 cos y)/4, tan(y/2) = 2 tan(t/2), over ten turns."""
+
+    def angle(t: Any) -> Array:
+        turns = np.floor(t / (2.0 * np.pi) + 0.5)
+        return np.array([2.0 * np.pi * turns + 2.0 * np.arctan(2.0 * np.tan(t / 2.0))])
+
+    end = 20.0 * np.pi + 1.0
+    for rtol in (1e-4, 1e-8):
+        solution = _solved(
+            model, (lambda t, y: (5.0 + 3.0 * np.cos(y)) / 4.0, angle), 0.0, end, rtol
+        )
+        error = float(np.max(np.abs(solution.y[:, -1] - angle(end))))
+        _error_at_most(error / end, rtol, "after ten turns of an angle")
 
 
 @rule(IntegratorModel)

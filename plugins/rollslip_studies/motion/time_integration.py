@@ -13,6 +13,7 @@ An interrupt, a model that fails during the run, and a solver that gives up all 
 message. Nothing that was computed is lost, and the run can continue from the last state.
 """
 
+import inspect
 import logging
 import time
 from collections.abc import Callable, Mapping
@@ -362,11 +363,8 @@ class _Run:
             self._restore(solver)
             message = self._advance_compiled(solver, bound)
         else:
-            import inspect
-
             stepped = self.integrator.solver()
-            takes_jacobian = "jac" in inspect.signature(stepped.__init__).parameters
-            if self.problem.jacobian is not None and takes_jacobian:
+            if self.problem.jacobian is not None and _takes_jacobian(stepped):
                 options["jac"] = self.problem.jacobian
             rates = _Rates(self.problem.rates)
             message = self._step_solver(stepped(rates, self.t, self.y, bound, **options), rates)
@@ -540,6 +538,18 @@ class _Run:
             self.save(self.n_parts, self._trajectory_since(self.saved, "interrupted", "", None))
             self.n_parts = self.n_parts + 1
             self.saved = self._measure_progress()
+
+
+def _takes_jacobian(solver: type[Any]) -> bool:
+    """Whether a solver takes a Jacobian ``jac``, itself or as an option that it passes on to its base class."""
+    for base in solver.__mro__:
+        if (constructor := vars(base).get("__init__")) is not None:
+            parameters = inspect.signature(constructor).parameters
+            if "jac" in parameters:
+                return True
+            if not any(p.kind is inspect.Parameter.VAR_KEYWORD for p in parameters.values()):
+                return False
+    return False
 
 
 class _Rates:
