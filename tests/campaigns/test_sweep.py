@@ -10,6 +10,7 @@ import queue
 import random
 import re
 import sqlite3
+import sys
 import threading
 import tracemalloc
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -905,6 +906,28 @@ def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(
         sweep_run._Pending(range(400), bytearray(400), {0}), sweep_run._Interrupts()
     )
     assert (chosen.name, len(taken)) == (engine, lots)
+
+
+@pytest.mark.parametrize(
+    ("text", "engine"),
+    [
+        ("import rollslip\nrollslip.sweep(...)\n", "serial"),
+        ("import rollslip\nif __name__ == '__main__':\n    rollslip.sweep(...)\n", "processes"),
+        (None, "processes"),  # a prompt or a notebook
+    ],
+)
+def test_a_script_that_processes_cannot_import_computes_in_its_own(
+    monkeypatch, tmp_path, text, engine
+):
+    script = SimpleNamespace()
+    if text is not None:
+        script.__file__ = str(tmp_path / "mine.py")
+        (tmp_path / "mine.py").write_text(text)
+    monkeypatch.setitem(sys.modules, "__main__", script)
+    run = sweep_run._Run(loaded(), 400, sweep_run.Counter(), lambda progress: None)
+    chosen, why = run._fastest_engine(point_seconds=1.0, left=400, count=2)
+    assert chosen.name == engine
+    assert ("the script does not ask for its __name__" in why) == (engine == "serial")
 
 
 def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):

@@ -25,6 +25,7 @@ import math
 import os
 import platform
 import signal
+import sys
 import threading
 import time
 from collections import Counter, deque
@@ -78,6 +79,11 @@ _log = logging.getLogger("rollslip.campaigns.sweep.run")
 #: Maximum number of losses of an engine in a row, without a result in between, before a run ends with an error. Twice
 #: as many wait longer for a scheduler that does not come back. Chosen.
 _MAX_LOSSES: Final = 3
+#: Why a script computes its points one after the other.
+_NOT_GUARDED: Final = (
+    "the script does not ask for its __name__, so that processes would run it again; call it below "
+    "if __name__ == '__main__':"
+)
 #: Time [s] to start a pool of processes, with all imports and with the data that points share, which each process
 #: computes anew. A larger value keeps more points in this process. Measured: 0.4 to 0.7 s on the machine of
 #: docs/tables/engine_cost.csv (column "start"); chosen larger, for slower disks.
@@ -273,6 +279,20 @@ def _check(sweep: Sweep, engine: Engine) -> None:
         )
 
 
+def script_may_be_imported() -> bool:
+    """Whether processes can be started from the script that runs: each of them imports it.
+
+    Without the condition on its name, the import would start the same run again.
+    """
+    file = getattr(sys.modules["__main__"], "__file__", None)
+    if file is None:  # a notebook or a prompt, of which processes import nothing
+        return True
+    try:
+        return "__main__" in Path(file).read_text(encoding="utf-8", errors="replace")
+    except OSError:  # an archive or a compiled program
+        return True
+
+
 def _engine_without_measuring(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
     """Return the engine, and the reason, where no measurement is needed; else None."""
     if sweep.local:
@@ -283,6 +303,8 @@ def _engine_without_measuring(sweep: Sweep, folder: Path) -> tuple[Engine | None
         return get_model("engine", "processes"), "an earlier run died in its own process"
     if sweep.table.time_limit is not None:
         return get_model("engine", "processes"), "the end of a process ends any point in time"
+    if not script_may_be_imported():
+        return get_model("engine", "serial"), _NOT_GUARDED
     study = settings(sweep.scene, sweep.study)[sweep.study]
     if study.is_transient:
         return get_model("engine", "processes"), "motions in time take long"
@@ -417,6 +439,8 @@ class _Run:
             why = f"{text}, and there is {'one core' if left else 'nothing left'}"
         elif point_seconds * left * (1.0 - 1.0 / count) <= _MIN_SAVING * _POOL_START:
             why = f"{text}, {left} points: too few for processes"
+        elif not script_may_be_imported():
+            why = f"{text}; {_NOT_GUARDED}"
         else:
             name = "processes"
             why = f"{text}, {left} points: {count} processes"
