@@ -37,6 +37,8 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
+from rollslip.planning.campaign import OfScene
+from rollslip.results.dataset import xr
 from rollslip.rings import RingModel, RingShapes
 from rollslip.structure import FrozenTable
 from rollslip.studies.rating_life.model import LifeModel, RatedLife
@@ -1087,6 +1089,29 @@ CAMPAIGNS = {
         _campaign(summary="Search a limit.", own_command="rollslip.cli.run:plan"),
     ),
 }
+
+
+RUNS = []
+
+
+@attrs.frozen(eq=False)
+class _Counting(OfScene):
+    """Count the runs of SCENE."""
+
+    name = "counting"
+
+    def plan(self):
+        return None
+
+    def run(self, made, folder, show, message):
+        RUNS.append(made)
+        return xr.Dataset({"runs": len(RUNS)})
+
+
+CAMPAIGNS["a result that counts its runs"] = (
+    "check_a_campaign_gives_the_same_bits_twice",
+    _Counting,
+)
 BROKEN += CAMPAIGNS.values()
 SOUND.append(_campaign())
 

@@ -20,7 +20,7 @@ import importlib.metadata
 import logging
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from types import MappingProxyType, ModuleType
 from typing import Any, Final
@@ -33,6 +33,7 @@ from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
 from rollslip.catalogue.shipped import changed_names, is_ours, snapshot, warn_if_slow
 from rollslip.errors import (
     PluginError,
+    RollslipError,
     UnknownNameError,
     describe_error,
     did_you_mean,
@@ -322,6 +323,25 @@ def origin(cls: type) -> str:
     if offer is None:
         return f"it comes from module {cls.__module__}, which no package offers"
     return f"it comes from package {offer.package} {offer.version}: update or uninstall that, or choose another model"
+
+
+@contextmanager
+def naming_package(what: str, thing: Any) -> Iterator[None]:
+    """Add name and package to what a study or campaign of another package raises, unless it is an error of rollslip.
+
+    Parameters
+    ----------
+    what : str
+        Its kind, for the text.
+    thing : object
+        The study or campaign.
+    """
+    try:
+        yield
+    except Exception as error:
+        if not isinstance(error, RollslipError) and not is_ours(type(thing).__module__):
+            error.add_note(f"raised by {what} {thing.name!r}; {origin(type(thing))}")
+        raise
 
 
 # This process --------------------------------------------------------------------------------------------------------

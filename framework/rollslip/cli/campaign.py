@@ -13,6 +13,7 @@ from typing import Any
 import attrs
 import click
 
+from rollslip.catalogue.discovery import naming_package
 from rollslip.cli.app import (
     INTERRUPTED,
     OUTPUT_OPTIONS,
@@ -233,12 +234,13 @@ def _run(requested: Campaign, about: str, results: Results, printing: Printing) 
     if text := requested.alternative_action():
         click.echo(text)
         return
-    plan = requested.plan()
-    resumes_folder = requested.resume_mode == "folder"
-    warn_unusual(plan)
-    results.choose_folder(requested.folder_name(plan, about))
-    run = _run_in_folder if resumes_folder else _run_and_write
-    dataset = run(requested, plan, results, printing)
+    with naming_package("campaign", requested):
+        plan = requested.plan()
+        resumes_folder = requested.resume_mode == "folder"
+        warn_unusual(plan)
+        results.choose_folder(requested.folder_name(plan, about))
+        run = _run_in_folder if resumes_folder else _run_and_write
+        dataset = run(requested, plan, results, printing)
     if results.as_json:
         print_json(_as_dict(requested, dataset) | results.as_dict())
     else:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, ParamSpec
 
 import attrs
 
-from rollslip.catalogue.discovery import catalogue, get_class
+from rollslip.catalogue.discovery import catalogue, get_class, naming_package
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import PluginError, SceneError, describe_error, nearest
 
@@ -228,10 +228,15 @@ class Campaign(abc.ABC):
         from rollslip.results.dataset import xr
         from rollslip.results.figures import Result
 
-        made = self.plan()
+        with naming_package("campaign", self):
+            made = self.plan()
         out = getattr(self, "out", None) if self.resume_mode == "folder" else None
         directory = TemporaryDirectory() if out is None else nullcontext(out)
-        with directory as folder, progress_in_notebook(self.name) as show:
+        with (
+            directory as folder,
+            progress_in_notebook(self.name) as show,
+            naming_package("campaign", self),
+        ):
             found = self.run(made, Path(folder), self.report or show, lambda text: None)
         if not isinstance(found, xr.Dataset):  # such as a page
             return found

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 
 from rollslip.bearing.resolution import BoundBrokenError
+from rollslip.catalogue.discovery import naming_package
 from rollslip.errors import RollslipError
 from rollslip.planning.lines import describe_resolution
 from rollslip.planning.plan import Plan, plan
@@ -190,25 +191,27 @@ def compute(
     processor_start = time.process_time()
     first: ErrorEstimate | None = None
     reinstated = list[str]()
-    while True:
-        plan, dataset, evaluated = _run(plan, study, checkpoint_folder, progress, reinstated)
-        choice = plan.choices[study]
-        # without the bounds on what is left out, which a reference solution may exceed
-        assembly = plan.assembly.at(choice.resolution)
-        error = estimate_error(running, assembly, choice, dataset, first)
-        if fixed_resolution:
-            break
-        if (finer := refine_resolution(running, assembly, choice, error)) is None:
-            break
-        _log.info("%s runs again, finer: it was off by more than its tolerance", study)
-        first = first or error
-        plan = plan.refined(study, finer)
-        if progress is not None:
-            progress(
-                f"again, on {describe_resolution(finer.resolution)}", left=plan.seconds_of(study)
-            )
-    dataset = running.completed(assembly, dataset)
-    dataset = dataset.assign(law_outputs(running, assembly, dataset))
+    with naming_package("study", running):
+        while True:
+            plan, dataset, evaluated = _run(plan, study, checkpoint_folder, progress, reinstated)
+            choice = plan.choices[study]
+            # without the bounds on what is left out, which a reference solution may exceed
+            assembly = plan.assembly.at(choice.resolution)
+            error = estimate_error(running, assembly, choice, dataset, first)
+            if fixed_resolution:
+                break
+            if (finer := refine_resolution(running, assembly, choice, error)) is None:
+                break
+            _log.info("%s runs again, finer: it was off by more than its tolerance", study)
+            first = first or error
+            plan = plan.refined(study, finer)
+            if progress is not None:
+                progress(
+                    f"again, on {describe_resolution(finer.resolution)}",
+                    left=plan.seconds_of(study),
+                )
+        dataset = running.completed(assembly, dataset)
+        dataset = dataset.assign(law_outputs(running, assembly, dataset))
     dataset.attrs |= {
         _ERROR_ATTRIBUTES.get(part, f"{part}_error"): max(errors.values())
         for part, errors in error.errors.items()

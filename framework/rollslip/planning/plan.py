@@ -22,6 +22,7 @@ import attrs
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution, error_text
+from rollslip.catalogue.discovery import naming_package
 from rollslip.catalogue.packages import check_required
 from rollslip.errors import RollslipError, SceneError, UnknownNameError
 from rollslip.planning.lines import (
@@ -388,7 +389,8 @@ def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> 
         Whether a law may be left out, or replaced by a cheaper one, where the error allows it.
     """
     try:
-        return study.choose_resolution(assembly, cheaper_laws=cheaper_laws)
+        with naming_package("study", study):
+            return study.choose_resolution(assembly, cheaper_laws=cheaper_laws)
     except RollslipError as error:
         return ResolutionChoice(resolution=assembly.resolution, failed=str(error))
 

@@ -7,6 +7,8 @@ import json
 import math
 import re
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import attrs
@@ -14,10 +16,11 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
+from rollslip.catalogue.shipped import is_ours
 from rollslip.datasets import SceneData
 from rollslip.errors import RollslipError, describe_error
 from rollslip.files import decoded
-from rollslip.planning.campaign import Campaign, function_of, help_of, own_command
+from rollslip.planning.campaign import Campaign, OfScene, function_of, help_of, own_command
 from rollslip.planning.plan import estimate
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import Curves
@@ -356,4 +359,33 @@ def check_a_campaign_has_its_command_and_its_function(campaign: type[Campaign]) 
         refuse_unless(
             help.startswith(" ".join(summary.split())),
             f"its command's help begins with {help[:80]!r}, not with its summary {summary!r}",
+        )
+
+
+def _campaign_result(campaign: type[OfScene]) -> Any:
+    requested = campaign(_scene())
+    with TemporaryDirectory() as folder:
+        return requested.run(
+            requested.plan(), Path(folder), lambda *progress: None, lambda text: None
+        )
+
+
+@rule("campaign")
+def check_a_campaign_gives_the_same_bits_twice(campaign: type[Campaign]) -> None:
+    """It runs by its defaults on a small scene; a result must not depend on what ran before."""
+    required = [
+        field.name
+        for field in attrs.fields(campaign)
+        if field.default is attrs.NOTHING and field.name != "scene"
+    ]
+    if is_ours(campaign.__module__) or not issubclass(campaign, OfScene) or required:
+        raise Inapplicable(f"it does not run by a scene alone {', '.join(required)}".rstrip())
+    first, second = (_campaign_result(campaign) for _ in range(2))
+    if not isinstance(first, xr.Dataset):
+        raise Inapplicable("its result is no dataset")
+    refuse_unless(len(first.data_vars), "its result has no variables")
+    for name in map(str, first.data_vars):
+        refuse_unless(
+            name in second and not _differs(first[name], second[name]),
+            f"{name} is another at the second run",
         )
