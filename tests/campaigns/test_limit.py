@@ -404,7 +404,7 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     assert 12e6 * 0.99 < passed < 1.03 * kept
     heated = limit("worst <= 1.2 K", "flash-temperature", within=0.3)
     assert re.search(
-        r"^maximum radial load \S+ kN for worst up to 1.2 K; at",
+        r"^maximum radial load \S+ kN for worst up to 1.2 K; largest load 11 kN, 20,000 h by ISO 281; at",
         findings.describe_limit(heated),
     )
     for models, named in (

@@ -13,6 +13,7 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.results.accounts import account_of
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
+from rollslip.studies.rating_life.largest_load import HOURS, STATIC_SAFETY, largest_load
 from rollslip.studies.rating_life.model import LifeDuty, fatigue_load_limit
 from rollslip_studies.rating_life.findings import format_hours
 from rollslip_studies.rating_life.study import RatingLife
@@ -264,3 +265,18 @@ def test_its_figure_has_damage_and_load_of_both_rings():
     assert "ISO/TS 16281" in caption
     assert [axes.get_ylabel().split("\n")[0] for axes in figure.axes] == ["Damage", "Largest load"]
     assert [len(axes.lines) for axes in figure.axes] == [2, 2]
+
+
+def test_the_largest_load_is_that_of_the_study_or_of_the_static_rating():
+    scene = load_scene("gearbox")
+    changes = {"study.rating-life.hours": HOURS, "models.life": ["iso281"]}
+    by_study = rollslip.run(evolve(scene, changes, si=True), "rating-life")
+    assert largest_load(scene) == {
+        "largest_load": pytest.approx(float(by_study.largest_load[0]), rel=1e-6),
+        "largest_load_limit": "20,000 h by ISO 281",
+    }
+    slow = evolve(scene, {"operation.inner_speed": 1e-3}, si=True)
+    assert largest_load(slow) == {
+        "largest_load": scene.bearing.static_rating / STATIC_SAFETY,
+        "largest_load_limit": "static rating over 1.5",
+    }

@@ -227,10 +227,9 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "equation": getattr(thing, "equation", ""),  # an engine has none
         "parameters": parameters,
         "references": list(map(str, getattr(thing, "references", ()))),
-        "reference_values": [
-            _reference_value_as_dict(reference)
-            for reference in getattr(thing, "reference_values", ())
-        ],
+        "reference_values": list(
+            map(_describe_reference_value, getattr(thing, "reference_values", ()))
+        ),
     }
     if outputs := getattr(thing, "outputs", None):  # of a study
         about["outputs"] = [
@@ -240,10 +239,14 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
     return about | _law_as_dict(kind, thing) if issubclass(thing, SliceModel) else about
 
 
-def _reference_value_as_dict(reference: ReferenceValue) -> dict[str, Any]:
-    """Return a number of others as plain values."""
-    values = attrs.asdict(reference, recurse=False)
-    return values | {name: dict(values[name]) for name in ("inputs", "parameters")}
+def _describe_reference_value(reference: ReferenceValue) -> str:
+    """Return a number of others with what it belongs to, in SI units, its source and the allowed difference."""
+    given = ", ".join(
+        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}"
+        for name, value in {**reference.parameters, **reference.inputs}.items()
+    )
+    allowed = f"{100.0 * reference.rtol:.2g} % allowed"
+    return f"{reference.value:.7g} at {given}; {reference.source}, {allowed}"
 
 
 def _data_as_dict(kind: str, thing: Any) -> dict[str, Any]:
@@ -355,14 +358,8 @@ def _print_model(kind: str, name: str) -> None:
             click.echo(f"{key:<11} {' to '.join(as_list(about[key]))}")
     _print_data(kind, name, about)
     _print_law(about)
-    for w in about.get("reference_values", ()):
-        inputs = ", ".join(
-            f"{key} = {value:g}" if isinstance(value, float) else f"{key} = {value}"
-            for key, value in {**w["parameters"], **w["inputs"]}.items()
-        )
-        click.echo(
-            f"value       {w['value']:.7g} at {inputs}; {w['source']}, {100.0 * w['rtol']:.2g} % allowed"
-        )
+    for text in about.get("reference_values", ()):
+        click.echo(f"value       {text}")
     if about["references"]:
         click.echo("\n  ".join(["references", *about["references"]]))
 

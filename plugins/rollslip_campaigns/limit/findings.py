@@ -12,7 +12,14 @@ from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.table import point_rows
-from rollslip.results.text import Status, format_count, in_brackets, in_percent, short_label
+from rollslip.results.text import (
+    Status,
+    format_count,
+    format_force,
+    in_brackets,
+    in_percent,
+    short_label,
+)
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import answer_table, main_reason, point_table
 
@@ -175,7 +182,11 @@ def summarise_limit(dataset: "xr.Dataset") -> str:
         for extreme, bound, is_end in (("minimum", low, is_first), ("maximum", high, is_last))
         if not is_end
     )
-    return f"{', '.join(bounds)} for {requirement}"
+    largest = ""
+    if "largest_load" in a:  # of a search over the load
+        load = float(a["largest_load"])
+        largest = f"; largest load {format_force(load, load)}, {a['largest_load_limit']}"
+    return f"{', '.join(bounds)} for {requirement}{largest}"
 
 
 def _turns(dataset: "xr.Dataset") -> list[str]:

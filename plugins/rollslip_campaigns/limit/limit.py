@@ -39,6 +39,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable, raise_problem_if
 from rollslip.studies.bounds import exceeding
+from rollslip.studies.rating_life.largest_load import largest_load
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
 from rollslip.units import format_quantity
@@ -469,6 +470,8 @@ def _dataset(
         for name, value in grid.attrs.items()
         if name not in ("axes", "sampling", "seed")
     }
+    if search.axis.key == "operation.radial_load":
+        attributes |= largest_load(search.sweep.scene)
     return xr.Dataset(
         variables,
         attrs=attributes

@@ -2,23 +2,18 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
 from rollslip.planning.campaign import OfPoints, setting
+from rollslip.studies.rating_life.largest_load import HOURS, STATIC_SAFETY
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import ProgressReporter
     from rollslip_campaigns.window.window import WindowPlan
-
-#: Life asked for by default [h]. SKF's guideline has 20,000 to 30,000 h for machines that run eight hours a day (C).
-_HOURS: Final = 20_000.0
-#: Static rating over the largest load by default. SKF's guideline has 1 to 3 for roller bearings, by how quietly they
-#: have to run (C).
-_STATIC_SAFETY: Final = 1.5
 
 
 @attrs.frozen(eq=False)
@@ -62,14 +57,14 @@ class WindowSettings(OfPoints):
     )
     hours: float = setting(
         "Operating hours that the rating life has to reach.",
-        default=_HOURS,
+        default=HOURS,
         value_type=float,
         metavar="HOURS",
         show_default=True,
     )
     static_safety: float = setting(
         "Static rating over the largest load.",
-        default=_STATIC_SAFETY,
+        default=STATIC_SAFETY,
         value_type=float,
         metavar="FACTOR",
         show_default=True,

@@ -1,1 +1,1 @@
-"""Study life: rating life of the bearing, by models of kind life, and where the damage arises."""
+"""Study rating-life: rating life of the bearing, by models of kind life, and where the damage arises."""

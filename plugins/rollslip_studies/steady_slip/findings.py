@@ -34,6 +34,9 @@ from rollslip_studies.steady_slip.play_findings import (
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Fraction of the largest load from which on its row stands beside that of the minimum load; below, it is the last one.
+#: Chosen: at half of it the life is ten times the required one.
+_NEAR_LIMIT: Final = 0.5
 #: Factor from rad/s to revolutions per minute.
 _RPM: Final = 30.0 / math.pi
 #: Factor from the formulas of makers beyond which a friction torque is reported as doubtful. Thermal reference speeds
@@ -126,12 +129,16 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
     preload = max(0.0, -(clearance or 0.0))
+    limit = _largest_load_row(dataset, load)
+    is_heavy = limit is not None and load > _NEAR_LIMIT * limit.value
     if "minimum_load" in dataset:
         if slip < -acceptable or Status.DRIVEN in status:
             note = "it is for a cage that lags"
             yield attrs.evolve(UNCOMPUTED_MINIMUM_LOAD, text="not found", rank=_KNOWN, note=note)
         else:
             yield _minimum_load_row(dataset, acceptable, load, preload)
+        if is_heavy:
+            yield limit
         if preload == 0.0 or float(dataset["minimum_load"]) > 0.0:
             yield _makers_row(dataset, load)
         yield _acceptable_reserve_row(dataset, acceptable)
@@ -155,6 +162,23 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             text=f"{two_digits(1e6 * clearance)} µm",
             note=source.partition(" = ")[0].replace("um", "µm"),
         )
+    if "minimum_load" in dataset and not is_heavy:
+        yield limit
+
+
+def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
+    """Return the row of the largest load, by rating life or static rating; None for an older result."""
+    if "largest_load" not in dataset.attrs:
+        return None
+    largest = float(dataset.attrs["largest_load"])
+    return Row(
+        key="largest_load",
+        label="largest load",
+        value=largest,
+        unit="N",
+        text=format_force(largest, largest),
+        note=f"{dataset.attrs['largest_load_limit']}{'; exceeded' * (load > largest)}",
+    )
 
 
 def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:

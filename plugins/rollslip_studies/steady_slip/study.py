@@ -48,6 +48,7 @@ from rollslip.studies.answers import (
 )
 from rollslip.studies.bounds import SLICE_FACTOR, richardson_factor
 from rollslip.studies.error_estimate import COARSE_POSITIONS, choose_by_curves
+from rollslip.studies.rating_life.largest_load import largest_load
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.effective_friction.raceways import largest_relative_change
 from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
@@ -446,7 +447,7 @@ class SteadySlip(Study):
             factor, status = acceptable_reserve(balance, self.acceptable_slip)
             variables |= self.variables(acceptable_reserve=factor, acceptable_reserve_status=status)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
-            attributes["acceptable_slip"] = self.acceptable_slip
+            attributes |= {"acceptable_slip": self.acceptable_slip, **largest_load(assembly.scene)}
         import xarray as xr
 
         return xr.Dataset(variables, coords, attrs=self.attributes | attributes)

@@ -1,0 +1,41 @@
+"""Largest load of a bearing by the basic rating life of ISO 281 and by its static rating, in closed form."""
+
+import math
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rollslip.scene.values import Scene
+
+__all__ = ["HOURS", "STATIC_SAFETY", "largest_load"]
+
+#: Life that is required by default [h]. SKF's guideline has 20,000 to 30,000 h for machines that run eight hours a day
+#: (C).
+HOURS: Final = 20_000.0
+#: Static rating over the largest load by default. SKF's guideline has 1 to 3 for roller bearings, by how quietly they
+#: have to run (C).
+STATIC_SAFETY: Final = 1.5
+#: Inverse of the exponent of the life in the load (ISO 281).
+_LOAD_EXPONENT: Final = 0.3
+
+
+def largest_load(scene: "Scene") -> dict[str, float | str]:
+    """Return attributes of a result: the largest load with the default life and static safety [N], and which limits it.
+
+    P = C (1e6/N)^(3/10) with N revolutions of the rings relative to each other, at most C_0/1.5.
+
+    Parameters
+    ----------
+    scene : Scene
+        Bearing and speeds.
+    """
+    from rollslip.studies.rating_life.model import REVOLUTIONS, dynamic_rating
+
+    speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
+    revolutions = 3600.0 * HOURS * speed / (2.0 * math.pi)
+    static = scene.bearing.static_rating / STATIC_SAFETY
+    rating, _ = dynamic_rating(scene.bearing)
+    by_life = rating * (REVOLUTIONS / revolutions) ** _LOAD_EXPONENT if revolutions else math.inf
+    limit = f"static rating over {STATIC_SAFETY:g}"
+    if by_life < static:
+        limit = f"{HOURS:,.0f} h by ISO 281"
+    return {"largest_load": min(by_life, static), "largest_load_limit": limit}
