@@ -1,5 +1,6 @@
 """The few slips at which curves are compared, and the fractions of a tolerance that the parts of an error may take."""
 
+import math
 from types import SimpleNamespace
 
 import numpy as np
@@ -54,6 +55,14 @@ def test_two_maxima_a_sixth_of_the_range_apart_are_found_by_forty_slips():
     found, count = maxima(peaks((0.25, 1.0), (0.25 + near, 1.0)))
     assert np.sqrt(found) == pytest.approx([0.25, 0.25 + near], abs=1e-2)
     assert count <= 40  # those of the grid, of two intervals, and at last those of the probe
+
+
+@pytest.mark.parametrize("top", [1e-3, 1e-6, 1e-10])
+def test_a_maximum_far_below_the_first_slip_of_the_grid_is_found(top):
+    """Of friction 2 x/(1 + x^2), x = slip/top, which falls over the whole grid."""
+    found, count = maxima(lambda slip: 2.0 * slip / top / (1.0 + (slip / top) ** 2))
+    assert found == pytest.approx([top], rel=0.2)
+    assert count <= 40 + 8 * math.log(slip_grid(1.0, 13)[1] / top, 4)
 
 
 def test_a_maximum_counts_that_finer_slices_may_make_the_largest():

@@ -107,6 +107,9 @@ _REFINED_SLIPS: Final = 7
 #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
 #: are spent on maxima that never become the largest; above 1 no maximum counts. Chosen.
 _RIVAL_HEIGHT: Final = 0.7
+#: Most intervals that are refined one after the other around a maximum, each a quarter of the one before. Half as many
+#: end at 1e-6 of the first slip of the grid, and miss maxima of thick oils at some 1e-10; twice as many change nothing.
+_MAX_PEAK_INTERVALS: Final = 20
 #: Difference of values around a maximum, relative to it, up to which they are equal but for rounding: such a curve
 #: is level and has no vertex. Half and twice the value have no effect: rounding is some 1e-14, and from about 1e-6 on
 #: real maxima would be dropped. Chosen, between both.
@@ -354,13 +357,7 @@ class Probe:
             is_rival = (curve >= _RIVAL_HEIGHT * curve.max()) & (curve > 0.0)
             is_peak = is_rival & (curve >= padded[:-2]) & (curve > padded[2:])
             for best in map(int, np.flatnonzero(is_peak)):
-                # the slips between both neighbours of the grid, and the higher neighbour
-                refined = np.linspace(
-                    grid[max(best - 1, 0)],
-                    grid[min(best + 1, grid.size - 1)],
-                    _REFINED_SLIPS + 2,
-                )[1:]
-                values = study.curves(assembly, refined, (1,))[0][k]
+                refined, values = self._refine_peak(assembly, grid, k, best)
                 top = max(int(np.argmax(values)), 1)  # the first has no slip before it
                 if top == refined.size - 1:
                     continue  # it rises up to the higher neighbour, or to the end of the range
@@ -372,6 +369,24 @@ class Probe:
         self._slip = np.array(slips)
         #: Of each maximum its curve, the index of the first of its three slips, and their step, (3, peaks).
         self._peaks = np.array(peaks).reshape(-1, 3).T
+
+    def _refine_peak(
+        self, assembly: Assembly, grid: Array, curve: int, best: int
+    ) -> tuple[Array, Array]:
+        """Return slips around a maximum of the grid, and a curve there at one roller position.
+
+        They are those between both neighbours of the grid, and the higher neighbour. As long as the first of them is
+        the best, as of a curve that rises steeply from zero, the interval ends at the second.
+        """
+        low = grid[max(best - 1, 0)]
+        high = grid[min(best + 1, grid.size - 1)]
+        for _ in range(_MAX_PEAK_INTERVALS):
+            refined = np.linspace(low, high, _REFINED_SLIPS + 2)[1:]
+            values = self._study.curves(assembly, refined, (1,))[0][curve]
+            if np.argmax(values) > 0:
+                break
+            high = refined[1]
+        return refined, values
 
     def sample(
         self, assembly: Assembly, *n_positions: int, small_slips: Sequence[float] = ()
