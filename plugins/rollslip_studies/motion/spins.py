@@ -94,18 +94,10 @@ _SECOND_ORDER_ORBITS: Final = 24
 #: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
 #: chosen, below the discretisation error, because Newton's method refines the result.
 _BALANCE_TOLERANCE: Final = 1e-5
-#: The same for rollers without inertia, where nothing refines the result: a few times the rounding. Doubling it
-#: doubles an error of 1e-12; chosen.
-_BALANCE_WITHOUT_INERTIA: Final = 1e-12
-#: Step of Newton's method, relative to the largest roller slip, at which a periodic motion is accepted, and tolerance
-#: of the balances in marches of second order. Half the value makes it fail near rounding, and changes a torque by
-#: 1.6e-3, where a march then replaces it; twice the value changes torques by less than 2e-7, because the convergence is
-#: quadratic; chosen, above the rounding.
-_NEWTON_TOLERANCE: Final = 1e-7
 #: What a march of second order would still change, relative to the width of its search, up to which it counts as
-#: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `_NEWTON_TOLERANCE`. Neither half nor twice the
-#: value changes a result of 62 random bearings; chosen, far below the discretisation error.
-_SECOND_ORDER_TOLERANCE: Final = 100.0 * _NEWTON_TOLERANCE
+#: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `DIFFERENTIATION_STEP`. Neither half nor twice
+#: the value changes a result of 62 random bearings; chosen, far below the discretisation error.
+_SECOND_ORDER_TOLERANCE: Final = 100.0 * DIFFERENTIATION_STEP
 #: What a march by implicit Euler would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, at which it
 #: ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to 1e-10; chosen,
 #: below `DISTINCT`.
@@ -117,9 +109,6 @@ _MAX_ERROR: Final = 1e-2
 
 # Scales and bounds of roller slips.
 
-#: Part of the weights of positions that is uniform where unloaded rollers are braked, too. Half
-#: the value costs 1 % more evaluations and changes torques by 3.5e-4; chosen, because unloaded rollers are braked.
-_UNIFORM_WEIGHT: Final = 0.5
 #: Smallest scale of roller slips, and smallest mean slip without cage slip; it keeps quotients finite where neither
 #: cage nor rollers slip. Doubling it has no effect on any result; chosen, far below the roller slips of bearings.
 _MIN_SLIP_SCALE: Final = 1e-12
@@ -135,9 +124,6 @@ _MAX_START: Final = 64.0
 
 # The fixed-point iteration of the moments by which neighbours brake rollers.
 
-#: Step of the braking moments, relative to the largest one, at which they count as converged. Doubling it saves 2 % of
-#: the iterations, and changes torques of six full-complement bearings by up to 7e-7; chosen.
-_MOMENT_TOLERANCE: Final = 1e-5
 #: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
 #: times the median.
 _MAX_MOMENT_ITERATIONS: Final = 40
@@ -411,8 +397,8 @@ class Motions:
         inner, outer = (ring.contacts.carried for ring in self.contacts(np.zeros(1)))
         weight = inner
         if self.resists:
-            mean = (inner + outer).mean()
-            weight = _UNIFORM_WEIGHT * mean + (1.0 - _UNIFORM_WEIGHT) * (inner + outer)
+            # half of it is uniform, because unloaded rollers are braked, too
+            weight = inner + outer + (inner + outer).mean()
         return np.asarray(weight / (weight.sum() or 1.0) / (1.0 - self._inner_ratio))
 
     def slip_scale(self, slips: Array) -> Array:
@@ -553,7 +539,8 @@ class Motions:
             self.slip_scale(slips) * (1.0 - self._inner_ratio) if widths is None else widths,
             starts,
             _EULER_ORBITS,
-            _BALANCE_TOLERANCE if self._inertia_torque else _BALANCE_WITHOUT_INERTIA,
+            # without inertia nothing refines the result: near its rounding
+            _BALANCE_TOLERANCE if self._inertia_torque else DIFFERENTIATION_STEP**2,
             _PERIODIC_TOLERANCE,
         )
         if spins.check(status) == _NO_BALANCE:
@@ -633,7 +620,7 @@ class Motions:
         error = np.zeros(rows.size)
         if self._inertia_torque:
             found, multiplier, torque, is_found, status = spins.kernel.find_periodic_rows(
-                rows, self.positions, inertia, marched, scale, _NEWTON_TOLERANCE
+                rows, self.positions, inertia, marched, scale, DIFFERENTIATION_STEP
             )
             spins.check(status)
             torque = self.sense * self._rollers * torque
@@ -693,8 +680,8 @@ class Motions:
             scale * (1.0 - self._inner_ratio),
             np.repeat(marched[:, :1], 2, axis=1),
             _SECOND_ORDER_ORBITS,
-            _NEWTON_TOLERANCE,
-            _NEWTON_TOLERANCE,
+            DIFFERENTIATION_STEP,
+            DIFFERENTIATION_STEP,
             np.repeat(marched[:, None], 2, axis=1),
         )
         spins.check(status)
@@ -757,7 +744,8 @@ class Motions:
             torques.append(np.full(slips.size, np.nan))
             torques[-1][rows] = torque.mean(axis=1) / np.abs(torque).mean(axis=1)
             errors[rows] = np.ptp(torques[-_MAX_STALLED_STEPS:], axis=0)[rows]
-            is_converged = size <= _MOMENT_TOLERANCE * current.max(axis=1)
+            # marches find the torques, and so the moments, up to this tolerance
+            is_converged = size <= _BALANCE_TOLERANCE * current.max(axis=1)
             errors[rows[is_converged]] = 0.0
             is_done = is_converged | (n_stalled[rows] >= _MAX_STALLED_STEPS)
             if is_done.all():
