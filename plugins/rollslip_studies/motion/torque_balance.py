@@ -53,10 +53,8 @@ from rollslip_studies.motion.spins import (
 #: estimate, and `_COST_WHOLE` had to be halved; chosen, so that these take about a tenth of the search.
 _COST_SLIPS: Final = 6
 #: Ratio of the time of the whole search, with its maxima, to that of the measured slips: 5 to 20, and 9 in the median,
-#: of 34 random bearings. The estimate is proportional to it.
+#: of 34 random bearings; 10 to 107, by the contacts evaluated, of five without a cage. The estimate is in proportion.
 _COST_WHOLE: Final = 10.0
-#: Further ratio without a cage, where neighbours brake each other; 5 to 34 in five bearings.
-_COST_NEIGHBOURS: Final = 14.0
 
 #: Smallest number of positions of an orbit on which rollers are followed. Doubling it doubles the time; chosen,
 #: because the change by four times as many positions is part of stated errors, 1.4e-3 in the median of 79 bearings.
@@ -235,8 +233,7 @@ class TorqueBalance:
             if max_slip < SEARCH.smallest_slip:
                 raise
             return self.seconds(0.5 * max_slip)
-        ratio = _COST_WHOLE * (_COST_NEIGHBOURS if motions.rubbing else 1.0)
-        return loaded - start + ratio * (time.process_time() - loaded)
+        return loaded - start + _COST_WHOLE * (time.process_time() - loaded)
 
     def has_several_motions(self, slip: float) -> bool:
         """Whether rollers have several motions at a cage slip, or none that converges, so that the branch decides."""
