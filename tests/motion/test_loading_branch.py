@@ -664,7 +664,7 @@ def test_the_end_of_a_motion_is_found_on_finer_positions_by_two_passes():
     assert logit_slip(jump.slip) == pytest.approx(-1.0 + 0.018, abs=0.025 / 4.0 + SEARCH.gap_width)
     assert jump.drag == pytest.approx(2.0, rel=jump.error)
     assert jump.error < 0.02
-    assert fine.count <= 2 * SEARCH.end_samples + 2
+    assert fine.count <= 2 * SEARCH.n_samples + 2
 
 
 def test_a_maximum_that_finer_positions_have_far_beyond_is_followed():

@@ -33,8 +33,9 @@ from rollslip.results.text import SMALLEST_SLIP, SWITCHED_OFF, Status
 from rollslip.search import illinois_root
 from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
+from rollslip_studies.motion.loading_branch import SEARCH
 from rollslip_studies.motion.orbit_loads import orbit_loads
-from rollslip_studies.motion.torque_balance import SLIP_FLOOR, TorqueBalance
+from rollslip_studies.motion.torque_balance import TorqueBalance
 
 # Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.
 
@@ -53,9 +54,6 @@ FRICTION_TOLERANCE: Final = 5e-3
 #: The same, one after the other, where that cannot be reached, as with few slices under heavy load. The last one
 #: changes slips of nine bearings by up to 1.0e-3, and those without play by up to 3 %; three times it by up to 2.1 %.
 _COARSE_TOLERANCES: Final = (1e-2, 3e-2)
-#: Number of loads that stand for the slices of a roller at the nodes of that table. Half as many change slips by up
-#: to 1.3e-2, twice as many by up to 8e-4; chosen, as in the search for the loading branch.
-_N_LOADS: Final = 8
 #: Smallest number of positions of the orbit at which loads are solved; between them they are linear. Half as many
 #: change slips by up to 1.5e-3, twice as many by up to 5.4e-4; chosen.
 _MIN_POSITIONS: Final = 360
@@ -140,7 +138,7 @@ class Pockets:
             tolerance=tolerance,
             min_slices=1,
             fully_loaded=fully_loaded,
-            n_loads=_N_LOADS,
+            n_loads=SEARCH.n_loads,
         )
         friction = raceway_friction(assembly, settings)
         self.assembly = assembly
@@ -374,7 +372,7 @@ def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: flo
     """
     if math.isnan(slip):
         return SlipWithPlay("rollers that are set in the cage have no steady slip")
-    first_slip = _FIRST_SLIP * max(slip, SLIP_FLOOR)
+    first_slip = _FIRST_SLIP * max(slip, SEARCH.slip_floor)
     sense = 1.0
 
     def torques_at(magnitudes: Array) -> Array:
@@ -385,7 +383,7 @@ def steady_slip_with_play(with_play: BalanceWithPlay, slip: float, max_slip: flo
     torques = torques_at(slips)
     if torques[0] >= 0.0:
         sense = -1.0
-        slips = _FIRST_SLIP * SLIP_FLOOR * ratios
+        slips = _FIRST_SLIP * SEARCH.slip_floor * ratios
         torques = torques_at(slips)
         if torques[0] >= 0.0:
             reason = f"with play it is less than {100.0 * first_slip:.3g} %"

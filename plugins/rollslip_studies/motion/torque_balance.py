@@ -82,10 +82,6 @@ RANGE: Final = 0.95
 #: Slip over a likely one up to which a loading branch is searched first. Twice as much searches three more steps of the
 #: grid; half as much searches the whole range more often. Chosen.
 _LIKELY_RANGE: Final = 3.0
-#: Slip in place of that of a cage which rolls or is driven: a search with play begins at half of it, and a band takes
-#: its logarithm. Half or twice as much moves bounds below 0.1 %, which are printed without a number, and no slip with
-#: play of gearbox from 1 to 30 kN by more than 1e-4.
-SLIP_FLOOR: Final = 1e-5
 
 
 class CageTorques(Protocol):

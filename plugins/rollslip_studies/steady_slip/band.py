@@ -66,10 +66,10 @@ from rollslip.scene.values import Scene
 from rollslip.search import Array, secant_root
 from rollslip.structure import Location, thawed
 from rollslip.studies.validity import APPROXIMATION
+from rollslip_studies.motion.loading_branch import SEARCH
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import (
     RANGE,
-    SLIP_FLOOR,
     TorqueBalance,
     acceptable_reserve,
     torque_balance,
@@ -179,7 +179,7 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_sli
     acceptable = dataset.attrs.get("acceptable_slip")
     acceptable_slip = None
     slip_without_play = float(np.ravel(without_play(dataset)[slip_name])[0])
-    values = {"steady_slip": max(slip_without_play, SLIP_FLOOR)}
+    values = {"steady_slip": max(slip_without_play, SEARCH.slip_floor)}
     if (
         acceptable is not None
         and "minimum_load" in dataset
@@ -496,8 +496,8 @@ def _log_steady_slip(
     with the slip where that is stable. Where it is positive at a slip of nearly 0, the cage slips less than that, as at
     a quantile at which rollers drive it.
     """
-    if start < math.log(SMALLEST_SLIP) and balance.excess(SLIP_FLOOR) >= 0.0:
-        return math.log(SLIP_FLOOR), None
+    if start < math.log(SMALLEST_SLIP) and balance.excess(SEARCH.slip_floor) >= 0.0:
+        return math.log(SEARCH.slip_floor), None
     log, own_slope = _root_by_secants(
         lambda log: balance.excess(min(math.exp(log), RANGE)), start, math.log(RANGE), slope
     )
@@ -508,9 +508,9 @@ def _log_steady_slip(
     branch = balance.loading_branch(RANGE)
     steady = next(iter(branch.find_steady_motions(balance.drag)), None)
     if steady is not None:
-        return math.log(max(steady.slip, SLIP_FLOOR)), None
+        return math.log(max(steady.slip, SEARCH.slip_floor)), None
     if branch.torque_without_slip + balance.drag(0.0) > 0.0:  # the drags drive the cage
-        return math.log(SLIP_FLOOR), None
+        return math.log(SEARCH.slip_floor), None
     return math.nan if branch.refusal else math.inf, None
 
 
