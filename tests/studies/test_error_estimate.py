@@ -70,6 +70,11 @@ def test_a_maximum_counts_that_finer_slices_may_make_the_largest():
     assert np.sqrt(found) == pytest.approx([0.25, 0.5], abs=1e-2)
 
 
+def test_a_curve_that_is_level_except_for_rounding_has_no_maximum():
+    found, _ = maxima(lambda slip: 1.0 + 1e-15 * np.cos(1e5 * slip))
+    assert found.size == 0
+
+
 @pytest.mark.parametrize("top", [0.4, 0.43])
 def test_a_vertex_is_as_near_as_the_parabola_through_slips_of_its_step(top):
     """Of 1 - a x^2 (1 - b x) a parabola through three points at a distance h has its vertex off by b h^2/2 at most."""
