@@ -16,10 +16,12 @@ from rollslip_studies.motion import torque_balance as module
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.spins import Motions
 from rollslip_studies.motion.torque_balance import (
+    RANGE,
     SkiddingOnset,
     SteadyOperation,
     TorqueBalance,
     describe_no_skidding,
+    evaluate_on_branch,
     reserve,
     torque_balance,
 )
@@ -221,6 +223,21 @@ def test_contacts_are_evaluated_in_the_motion_and_counted_once():
     assert chain.evaluated - before == sum(spins.kernel.evaluated)
 
 
+def test_ranges_of_laws_are_checked_from_pure_rolling_to_the_end_and_before_the_largest_torque(
+    monkeypatch,
+):
+    one = scenes.balance(scenes.free(20))
+    slips = []
+    orbit = TorqueBalance.orbit
+    monkeypatch.setattr(
+        TorqueBalance, "orbit", lambda self, slip: (slips.append(slip), orbit(self, slip))[1]
+    )
+    evaluate_on_branch(one.assembly, RANGE)
+    assert slips[0] == 0.0
+    assert slips[-1] == RANGE
+    assert 0.0 < slips[1] < one.loading_branch().jumps[0].slip
+
+
 def test_rollers_that_rub_at_neighbours_slip_without_the_cage():
     assembly = assemble(load_scene("1032930-50C"))
     assert [Motions(assembly, 2, rubbing=rubs).resists for rubs in (0.0, 0.05)] == [False, True]
@@ -238,6 +255,18 @@ def test_resistance_to_rolling_is_that_of_python_also_where_hardly_anything_roll
     assert orbit.torque == pytest.approx(
         count * slow.forces(orbit)[2].mean() * slow.motions.sense, rel=1e-6
     )
+
+
+def test_curves_of_effective_friction_change_torques_by_less_than_the_tolerance_of_tables(
+    monkeypatch,
+):
+    """With twice the tolerance of curves the torque of this bearing changes by 1.9e-2."""
+    assembly = scenes.balance(scenes.catalogue(0), slices=20).assembly
+    slips = np.array([4.8e-4])  # where curves are steepest
+    torques = torque_balance(assembly, 2, effective=True).torques(slips)
+    monkeypatch.setattr(module, "_CURVE_TOLERANCE_FRACTION", 0.01)
+    fine = torque_balance(assembly, 2, effective=True).torques(slips)
+    assert torques == pytest.approx(fine, rel=assembly.resolution.table_tolerance)
 
 
 def test_effective_friction_is_held_beyond_its_table():

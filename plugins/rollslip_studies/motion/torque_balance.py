@@ -70,9 +70,9 @@ _CHECKED_SLIPS: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
 #: the largest error e, 23 % (docs/tables/skidding_effective_summary.csv), both frictions have to be compared from
 #: 1 - 2 e on, 54 %. Half the value compares them more often; twice the value never below the limit drag.
 _FAR: Final = 0.5
-#: Tolerance of effective friction curves in a torque balance, over that of other tables. Half and twice the value
-#: change largest torques of eight bearings by up to 6e-6, ten times the value those of six bearings by up to 3e-5, in
-#: half the time; chosen, so that the error of a curve does not count beside that of effective friction.
+#: Tolerance of effective friction curves in a torque balance, over that of other tables. Twice the value changes
+#: torques of two bearings at slips below 0.1 % by up to 1.9e-2, above the tolerance 1e-2 of other tables; a tenth of it
+#: takes up to 1.5 times the time of a branch. Chosen, so that the errors, up to 4e-3, are below that tolerance.
 _CURVE_TOLERANCE_FRACTION: Final = 0.1
 #: Slip from which on the cage hardly turns, so that no larger range is proposed. Chosen, just below `RANGE`.
 _NEARLY_STILL: Final = 0.94
