@@ -9,7 +9,7 @@ parts would be too large. Therefore both problems are solved in turn, each over 
    and solved by the matrix exponential (exponential Euler method): exactly if it is linear, as a thermal network is.
    All heat is stored or carried away, whatever the model.
 4. Stop if no temperature differs from those of step 2 by more than its tolerance.
-5. Choose the temperatures of the next pass by Anderson acceleration over the last passes (D. G. Anderson, J. ACM 12,
+5. Choose the temperatures of the next pass by Anderson acceleration over all passes (D. G. Anderson, J. ACM 12,
    1965, 547-560). Plain passes oscillate, because heat thins the oil and so reduces the losses.
 6. If a motion fails, for example because the losses of cold oil lead to temperatures outside of its data, halve the
    step from the last temperatures at which it did not, and repeat from step 2.
@@ -59,9 +59,6 @@ _RELATIVE_CHANGE_PER_KELVIN: Final = 0.1
 #: Largest number of passes. Doubled, a motion that does not converge takes twice as long to fail. Chosen: plans
 #: expect 4 passes.
 _MAX_PASSES: Final = 25
-#: Earlier passes that Anderson acceleration uses. Doubled, older passes, at distant temperatures, count as well;
-#: with none, passes oscillate. Chosen.
-_ANDERSON_DEPTH: Final = 3
 #: Halvings of a step to temperatures at which the motion fails. Doubled, steps down to a 4096th are tried. Chosen.
 _MAX_HALVINGS: Final = 6
 
@@ -76,13 +73,6 @@ _TYPICAL_BEARINGS: Final = 30
 #: Time of the rates interpolated between bearings over that of one bearing. Chosen, likewise.
 _SLOWDOWN: Final = 5
 
-#: Step of temperature [K] for the difference quotients that linearise the thermal model, and to the bearing whose
-#: assembly a plan measures. Doubled, the linear part of a non-linear model is that over 2 K; a linear one is not
-#: affected. Chosen.
-_TEMPERATURE_STEP: Final = 1.0
-#: Relative difference of two linear parts that is rounding: the matrix exponential is then not computed again. Doubled,
-#: nothing changes but time; at 1e-4 the temperatures of a non-linear model would drift.
-_ROUNDING: Final = 1e-9
 #: Roller positions of the torque balance that gives the inner ring's fraction of the heat of rolling resistance, where
 #: the resolution names none. Doubled, the balance takes twice as long. Chosen: the fraction is near a half.
 _ROLLING_POSITIONS = 4
@@ -246,8 +236,8 @@ def solve_temperatures(
                 passes=count,
                 change=max_change,
             )
-        guesses = [*guesses[-_ANDERSON_DEPTH:], current]
-        changes = [*changes[-_ANDERSON_DEPTH:], change]
+        guesses.append(current)
+        changes.append(change)
         current = _anderson_step(guesses, changes)
     raise ConvergenceError(
         f"temperatures do not converge: after {_MAX_PASSES} passes through the motion they still change by "
@@ -443,7 +433,6 @@ def _temperatures(
     n = start.size
     rows = [start]
     carried = [0.0]
-    cached: tuple[Array, Array] | None = None
     for k, duration in enumerate(np.diff(times)):
         current = rows[-1]
         power = {
@@ -451,15 +440,11 @@ def _temperatures(
         }
         rates = _rates(model, current, power, capacities)
         augmented = np.zeros((2 * n + 2, 2 * n + 2))
-        for j in range(n):
-            warmer = current + _TEMPERATURE_STEP * (np.arange(n) == j)
-            difference = _rates(model, warmer, power, capacities) - rates
-            augmented[: n + 1, j] = duration * difference / _TEMPERATURE_STEP
+        for j, unit in enumerate(np.eye(n)):  # difference quotients over 1 K
+            warmer = _rates(model, current + unit, power, capacities)
+            augmented[: n + 1, j] = duration * (warmer - rates)
         augmented[: n + 1, n + 1 :] = duration * np.eye(n + 1)
-        rounding = _ROUNDING * float(np.abs(augmented).max())
-        if cached is None or not np.allclose(augmented, cached[0], rtol=_ROUNDING, atol=rounding):
-            cached = augmented, expm(augmented)[: n + 1, n + 1 :]
-        step = cached[1] @ rates
+        step = expm(augmented)[: n + 1, n + 1 :] @ rates
         rows.append(current + step[:n])
         carried.append(carried[-1] + float(step[n]))
     return np.array(rows), np.array(carried)
@@ -520,8 +505,9 @@ def heating_cost(
     model = model_of(assembly)
     if model is None:
         return {}
+    # another bearing, by 1 K, whose parts are not cached
     warmer = with_changes(
-        assembly, model.changes(model.start(assembly.scene) + _TEMPERATURE_STEP, assembly.scene)
+        assembly, model.changes(model.start(assembly.scene) + 1.0, assembly.scene)
     )
     seconds = processor_time(lambda: study.moving_along(study.course(warmer), warmer), 1)
     return {
