@@ -5,9 +5,9 @@ and the losses, which heat the nodes of the model. Nodes need minutes, a slip se
 slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 
 1. Fix the temperature of the leading node at each point of a grid. Find those of the other nodes, which follow, by
-   fixed-point iteration with Anderson's acceleration of depth 1; if it does not converge, by Powell's method. Slices
-   and roller positions are coarse, and those of the run beside zeros, ends and extrema. In scenes gearbox and turbine
-   the coarse excess heat was off by up to 0.25 % of the losses.
+   fixed-point iteration with Anderson's acceleration of depth 1. Slices and roller positions are coarse, and those of
+   the run beside zeros, ends and extrema. In scenes gearbox and turbine the coarse excess heat was off by up to 0.25 %
+   of the losses.
 2. The heat that the leading node then gains is the *excess heat*, a function of its temperature.
 3. Omit single points at which a search did not converge. Bisect between a point with and one without a steady slip:
    there the curve ends.
@@ -21,7 +21,7 @@ slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 
 import itertools
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Final
 
 import attrs
 import numpy as np
@@ -47,8 +47,6 @@ _NEAR_BALANCE: Final = 2.0
 #: Maximum number of iterations, of the fixed-point iteration and of Broyden's method. Chosen: converging ones need 3 to
 #: 10.
 _MAX_ITERATIONS: Final = 25
-#: Options of Powell's hybrid method, used where the fixed-point iteration does not converge. Chosen.
-_POWELL: Final[Any] = {"xtol": 1e-6, "maxfev": 40}
 #: Largest difference of temperatures [K] to a search on a loading branch at which the secant method replaces one.
 #: Chosen: above the step of the default grid, so that about every second point is searched.
 _START_DISTANCE: Final = 6.0
@@ -68,8 +66,6 @@ _SECANT_RANGE: Final = 0.5
 #: Half the step of temperature of central differences of heat flows [K]. Doubling it quadruples their error; halving it
 #: doubles the effect of errors of the slip. Chosen.
 _DIFFERENCE_STEP: Final = 0.02
-#: Heat flow into the nodes that follow that Powell's method may leave, relative to the losses. Chosen.
-_POWELL_RESIDUAL: Final = 1e-4
 #: Number of bisections that find the end of a curve: to 1/4096 of a step of the grid. Chosen.
 _END_BISECTIONS: Final = 12
 #: Heat flow that Broyden's method aims at, relative to the losses: rounding.
@@ -340,22 +336,11 @@ class Heated:
         guess : ndarray, shape (n,)
             Temperatures from which those of the other nodes are iterated [K].
         """
-        from scipy.optimize import root
-
         iterated = self._iterated(np.concatenate(([leading], guess[1:])), 1, _TEMPERATURE_TOLERANCE)
-        if iterated is not None:
-            return iterated
-
-        def flows(following: Array) -> Array:
-            return self.inflows(np.concatenate(([leading], following)))[1:]
-
-        # the iteration does not converge: Powell's hybrid method
-        solution = root(flows, guess[1:], method="hybr", options=_POWELL)
-        T = np.concatenate(([leading], solution.x))
-        if not float(np.abs(solution.fun).max()) <= _POWELL_RESIDUAL * self._total_loss(T):
+        if iterated is None:
             refusal = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
             raise _Refused(State(np.nan, refusal=refusal, not_converged=True))
-        return T, self.at(T).heat
+        return iterated
 
     def near_balance(self) -> Array | None:
         """Return temperatures near a balance [K], (n,), by fixed-point iteration on all nodes; None if it fails."""
