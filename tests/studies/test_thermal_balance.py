@@ -70,7 +70,6 @@ class Made(Heated):
     def __init__(self, model, losses, ends=np.inf):
         self.model = model
         self.scene = SCENE
-        self.precise_slips = False
         self.jumps = []
         self.evaluations = 0
         self.skipped = []

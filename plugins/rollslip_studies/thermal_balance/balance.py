@@ -53,24 +53,18 @@ _START_DISTANCE: Final = 6.0
 #: Smallest difference of temperatures [K] of two states through which slips are extrapolated. Chosen: the difference of
 #: iterates at one leading temperature says little of other temperatures.
 _MIN_DISTANCE: Final = 1.0
-#: Tolerance of a slip by the secant method, relative to the slip it starts from. Chosen: far below that of the losses.
-_SLIP_TOLERANCE: Final = 1e-5
-#: Tolerance of such a slip where flows are differentiated. Chosen: rounding, since differences of 0.02 K amplify
-#: errors.
-_PRECISE_SLIP_TOLERANCE: Final = 1e-12
-#: Largest change of the slip, relative to the slip it starts from, at which the result of the secant method is
-#: accepted. Doubling it may accept a slip of another branch. Chosen.
+#: Tolerance of a slip by the secant method, relative to the slip it starts from. Chosen: rounding, since heat flows are
+#: differentiated by differences of 0.02 K, which amplify errors.
+_SLIP_TOLERANCE: Final = 1e-12
+#: Half-width of the range in which the secant method may evaluate slips, relative to the slip it starts from. Doubling
+#: it may accept a slip of another branch. Chosen.
 _MAX_SLIP_CHANGE: Final = 0.2
-#: Half-width of the range in which the secant method may evaluate slips, relative to the slip it starts from. Chosen.
-_SECANT_RANGE: Final = 0.5
 #: Half the step of temperature of central differences of heat flows [K]. Doubling it quadruples their error; halving it
 #: doubles the effect of errors of the slip. Chosen.
 _DIFFERENCE_STEP: Final = 0.02
 #: Number of bisections that find the end of a curve: to 1/4096 of a step of the grid. Chosen.
 _END_BISECTIONS: Final = 12
-#: Heat flow that Broyden's method aims at, relative to the losses: rounding.
-_RESIDUAL: Final = 1e-11
-#: Step [K] from which one that does not reduce the heat flow ends Broyden's method. Chosen: above rounding.
+#: Step [K] at which Broyden's method ends. Chosen: above rounding.
 _SMALL_STEP: Final = 1e-9
 #: Largest difference of heat made and heat carried away of an accepted balance, relative to the losses. Chosen.
 _BALANCE_TOLERANCE: Final = 1e-6
@@ -158,8 +152,6 @@ class Heated:
         Ranges of the leading temperature in which the excess heat jumps past zero [K].
     skipped : list of float
         Single leading temperatures at which a search did not converge, and which the curve omits [K].
-    precise_slips : bool
-        Whether slips are found to rounding, as differences of flows require, and not to the tolerance of a scan.
     evaluations : int
         Number of temperatures at which a steady slip was sought.
     """
@@ -176,7 +168,6 @@ class Heated:
         self._searched = list[Mapping[str, float]]()
         self.jumps: list[tuple[float, float]] = []
         self.skipped: list[float] = []
-        self.precise_slips = False
         self.evaluations = 0
 
     # At given temperatures ------------------------------------------------------------------------------------------
@@ -191,7 +182,7 @@ class Heated:
 
     def _state(self, changes: Mapping[str, float]) -> State:
         """Return the state with changes of the scene, computed once."""
-        key = (self.precise_slips, *changes.values())
+        key = tuple(changes.values())
         if key not in self._states:
             self._states[key] = self._computed_state(changes)
         return self._states[key]
@@ -282,16 +273,15 @@ class Heated:
         if not (start and min(distances, default=np.inf) <= _START_DISTANCE):
             return None
         balance = self._study.balance(bearing)
-        tolerance = _PRECISE_SLIP_TOLERANCE if self.precise_slips else _SLIP_TOLERANCE
-        ends = sorted(((1.0 - _SECANT_RANGE) * start, (1.0 + _SECANT_RANGE) * start))
+        change = _MAX_SLIP_CHANGE * abs(start)
         root = secant_root(
             balance.excess,
             start,
             slope,
-            tolerance=tolerance * abs(start),
-            within=(ends[0], min(ends[1], self._study.max_cage_slip)),
+            tolerance=_SLIP_TOLERANCE * abs(start),
+            within=(start - change, min(start + change, self._study.max_cage_slip)),
         )
-        if root is None or not root[1] > 0.0 or abs(root[0] / start - 1.0) > _MAX_SLIP_CHANGE:
+        if root is None or not root[1] > 0.0:
             return None
         slip, slope = root
         return State(slip, power_balance(balance, balance.orbit(slip)), slope=slope)
@@ -563,7 +553,6 @@ class Heated:
             balance = self._balance(temperatures)
         except _Refused:
             balance = None
-        self.precise_slips = False
         if (
             balance is not None
             and balance.error <= _BALANCE_TOLERANCE
@@ -576,20 +565,15 @@ class Heated:
     def _balance(self, temperatures: Array) -> Balance:
         """Return the balance of Broyden's method, which ends at rounding or at its maximum number of iterations."""
         T = temperatures.copy()
-        self.precise_slips = True
         flow = self.inflows(T)
         heat = self.at(T).heat
         jacobian = self._jacobian(T, lambda at: self.model.inflows(at, heat))
         for _ in range(_MAX_ITERATIONS):
-            size = float(np.abs(flow).max())
-            if size <= _RESIDUAL * self._total_loss(T):
-                break
             step = np.linalg.solve(jacobian, -flow)
-            next_flow = self.inflows(T + step)
-            if np.abs(next_flow).max() >= size and np.abs(step).max() <= _SMALL_STEP:
-                break
             T = T + step
-            flow = next_flow
+            if np.abs(step).max() <= _SMALL_STEP:
+                break
+            flow = self.inflows(T)
             jacobian += np.outer(flow, step) / (step @ step)
         growth = float(
             np.linalg.eigvals(
