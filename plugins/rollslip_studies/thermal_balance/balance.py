@@ -41,18 +41,12 @@ __all__ = ["Balance", "Curve", "Heated", "State"]
 #: Tolerance of the temperatures of the nodes that follow, and of a zero of the curve [K]. Broyden's method refines
 #: balances after that. Halving it costs about one more iteration at each point. Chosen.
 _TEMPERATURE_TOLERANCE: Final = 1e-2
-#: Tolerance of temperatures near a balance [K], at which a resolution is chosen. Chosen: a viscosity
-#: changes by a tenth.
-_NEAR_BALANCE: Final = 2.0
 #: Maximum number of iterations, of the fixed-point iteration and of Broyden's method. Chosen: converging ones need 3 to
 #: 10.
 _MAX_ITERATIONS: Final = 25
 #: Largest difference of temperatures [K] to a search on a loading branch at which the secant method replaces one.
 #: Chosen: above the step of the default grid, so that about every second point is searched.
 _START_DISTANCE: Final = 6.0
-#: Smallest difference of temperatures [K] of two states through which slips are extrapolated. Chosen: the difference of
-#: iterates at one leading temperature says little of other temperatures.
-_MIN_DISTANCE: Final = 1.0
 #: Tolerance of a slip by the secant method, relative to the slip it starts from. Chosen: rounding, since heat flows are
 #: differentiated by differences of 0.02 K, which amplify errors.
 _SLIP_TOLERANCE: Final = 1e-12
@@ -289,23 +283,13 @@ class Heated:
     def _likely_slip(self, changes: Mapping[str, float]) -> tuple[float, float]:
         """Return a likely slip with changes of the scene, and the slope of the excess torque [N m] there.
 
-        Its logarithm is on the line through the nearest known state and another one; it is infinite without any.
+        They are those of the nearest known state; without any the slip is infinite.
         """
-        known = sorted(
-            (state for state in self._found if state[0].keys() == changes.keys() and changes),
-            key=lambda state: _distance(state[0], changes),
-        )
+        known = [state for state in self._found if state[0].keys() == changes.keys() and changes]
         if not known:
             return np.inf, np.nan
-        nearest, state = known[0]
-        for other, another in known[1:]:
-            if _distance(nearest, other) < _MIN_DISTANCE or not state.slip * another.slip > 0.0:
-                continue
-            way = np.array([other[key] - nearest[key] for key in changes])
-            position = way @ [changes[key] - nearest[key] for key in changes] / (way @ way)
-            factor = float((another.slip / state.slip) ** np.clip(position, -1.0, 1.0))
-            return factor * state.slip, state.slope / factor
-        return state.slip, state.slope
+        _, nearest = min(known, key=lambda state: _distance(state[0], changes))
+        return nearest.slip, nearest.slope
 
     def inflows(self, temperatures: Array) -> Array:
         """Return the heat flow into each node [W], (n,), with the losses at temperatures of the nodes [K], (n,)."""
@@ -326,7 +310,7 @@ class Heated:
         guess : ndarray, shape (n,)
             Temperatures from which those of the other nodes are iterated [K].
         """
-        iterated = self._iterated(np.concatenate(([leading], guess[1:])), 1, _TEMPERATURE_TOLERANCE)
+        iterated = self._iterated(np.concatenate(([leading], guess[1:])), 1)
         if iterated is None:
             refusal = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
             raise _Refused(State(np.nan, refusal=refusal, not_converged=True))
@@ -335,17 +319,15 @@ class Heated:
     def near_balance(self) -> Array | None:
         """Return temperatures near a balance [K], (n,), by fixed-point iteration on all nodes; None if it fails."""
         try:
-            iterated = self._iterated(self.model.start(self.scene), 0, _NEAR_BALANCE)
+            iterated = self._iterated(self.model.start(self.scene), 0)
         except _Refused:
             return None
         return None if iterated is None else iterated[0]
 
-    def _iterated(
-        self, T: Array, first: int, tolerance: float
-    ) -> tuple[Array, Mapping[str, float]] | None:
+    def _iterated(self, T: Array, first: int) -> tuple[Array, Mapping[str, float]] | None:
         """Return the temperatures that fixed-point iteration of the nodes from the first one finds, and the losses.
 
-        It has Anderson's acceleration of depth 1, and is None if it does not converge to a tolerance [K].
+        It has Anderson's acceleration of depth 1, and is None if it does not converge.
         """
         previous: tuple[Array, Array] | None = None
         for _ in range(_MAX_ITERATIONS):
@@ -353,7 +335,7 @@ class Heated:
             if state.refusal:
                 raise _Refused(state)
             residual = self._cooled(T, state.heat, first) - T
-            if float(np.abs(residual).max(initial=0.0)) <= tolerance:
+            if float(np.abs(residual).max(initial=0.0)) <= _TEMPERATURE_TOLERANCE:
                 return T + residual, state.heat
             step = residual
             if previous is not None:
