@@ -42,11 +42,9 @@ _FIRST_INTERVAL: Final = 3e-4
 #: Evaluations of a short motion from a later time of a history. Halved, the first steps, which the integrator still has
 #: to choose, weigh more. Chosen: some ten steps.
 _LATER_EVALUATIONS: Final = 200
-#: Calls whose time is measured at first. Chosen; more are made where they take less than `_MEASURED_SECONDS`.
-_CALLS: Final = 10
-#: Processor time [s] that a measurement takes at least. Halved, the resolution of the clock and other programs count
-#: twice as much. Chosen.
-_MEASURED_SECONDS: Final = 0.01
+#: Stored points whose time is measured together. Halved, the time of a call counts twice as much in that of a point.
+#: Chosen: ten, so that it hardly counts.
+_TIMED_POINTS: Final = 10
 #: Ratio of the evaluations per second in one interval to those in the interval before, below which they are taken to
 #: fall on. Nearer to 1, chance alone makes long motions look short. Chosen; tests hold estimates to a factor of two.
 _MAX_FALLING_RATIO: Final = 0.8
@@ -73,8 +71,14 @@ def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
     point_seconds = seconds
     if last.outcome != "failed":  # else the run reports the error
         if sliced:
-            seconds += max(_time_evaluation(moving, last) - _time_evaluation(trial, last), 0.0)
-        point_seconds = _time_stored_point(moving, last, study.points)
+            whole, coarse = (
+                processor_time(partial(bearing.system, last.last_t, last.last_y))
+                for bearing in (moving, trial)
+            )
+            seconds += max(whole - coarse, 0.0)
+        times = np.full(_TIMED_POINTS, last.last_t)
+        states = np.tile(last.last_y, (_TIMED_POINTS, 1))
+        point_seconds = processor_time(partial(moving.outputs, times, states)) / _TIMED_POINTS
     return {"tables": tables, "motion": seconds * evaluations + point_seconds * study.points}
 
 
@@ -173,27 +177,3 @@ def _extrapolate(ends: list[float], counts: list[int], duration: float) -> float
         remaining += rate * (end - start)
         start = end
     return remaining
-
-
-def _time_stored_point(moving: MovingBearing, last: Trajectory, points: int) -> float:
-    """Return the processor time [s] of a stored point; many at once take less each."""
-    count = 1
-    seconds = 0.0
-    while count < points and seconds < _MEASURED_SECONDS:
-        required = math.ceil(2.0 * _MEASURED_SECONDS / max(seconds, 1e-9) * count)
-        count = min(_CALLS * count, required, points)
-        states = np.array([last.last_y] * count)
-        times = np.full(count, last.last_t)
-        start = time.process_time()
-        moving.outputs(times, states)
-        seconds = time.process_time() - start
-    return seconds / count
-
-
-def _time_evaluation(moving: MovingBearing, last: Trajectory) -> float:
-    """Return the processor time [s] of an evaluation of the rates whose loads are cached."""
-    moving.system(last.last_t, last.last_y)
-    start = time.process_time()
-    for _ in range(_CALLS):
-        moving.system(last.last_t, last.last_y)
-    return (time.process_time() - start) / _CALLS

@@ -19,7 +19,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, choice_of, in_range, non_negative, parameter, positive
 from rollslip.results.dataset import about, xr
-from rollslip.results.text import Status
+from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import evolve
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
 from rollslip.studies.error_estimate import COARSE_POSITIONS, COARSE_SLICES, coarse_assembly
@@ -39,8 +39,6 @@ _TIMED_STEP: Final = 0.3
 _SLIPS_PER_POINT: Final = 4
 #: Number of steady slips for a course over time; it scales the estimate of the cost. Chosen.
 _SLIPS_PER_COURSE: Final = 200
-#: Slip below which an answer shows no digits, so that its error is not estimated.
-_MIN_SHOWN_SLIP: Final = 1e-3
 #: Length of an interval [K] up to which a jump is described by one temperature.
 _SHORT_INTERVAL: Final = 0.1
 #: Outputs of the coldest stable balance, which need no warmer balances.
@@ -282,7 +280,7 @@ class ThermalBalance(Study):
         except (SceneError, DomainError):
             return {"power loss": np.inf}
         errors = {"power loss": loss_error}
-        if slip >= _MIN_SHOWN_SLIP:
+        if slip >= SMALLEST_SLIP:  # else its answer has no digits
             errors["cage slip"] = slip_error
         return errors
 
