@@ -61,9 +61,6 @@ _PLAN_TIMES = 257
 #: all of them would take far longer than they save. Doubled, plans and runs of long run-ups take up to twice as long.
 #: Chosen.
 _MAX_BEARINGS = 100
-#: Smallest over largest value of an axis below which its grid is geometric. Halved, the friction over a wide range of
-#: speed, about logarithmic, is resolved less well at low speeds. Chosen.
-_GEOMETRIC_RATIO: Final = 0.5
 #: Roller positions within a pitch for the skidding slip of a motion. Doubled, each operation takes twice as long, and
 #: the slip changes by less than matters for an event.
 N_POSITIONS: Final = 4
@@ -298,8 +295,8 @@ class _OperationGrid:
 
 
 def _axis(low: float, high: float, count: int) -> Array:
-    """Return the values of an axis: geometric where they span a wide range, else evenly spread."""
-    if 0.0 < low < _GEOMETRIC_RATIO * high:
+    """Return the values of an axis, in geometric progression where they are above 0, else evenly spread."""
+    if low > 0.0:
         return np.geomspace(low, high, count)
     return np.linspace(low, high, count)
 

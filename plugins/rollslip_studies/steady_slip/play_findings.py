@@ -22,6 +22,22 @@ def play_note(slip: float, without: float, status: str) -> str:
     return f"without play {percent(without)}" if percent(without) != percent(slip) else ""
 
 
+def steady_play_note(dataset: "xr.Dataset", slip_name: str) -> str:
+    """Return what the play in the pockets does to a steady slip of a dataset; that it has none without the play.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With the slip, and what was found of the play where there is any.
+    slip_name : str
+        Name of the slip.
+    """
+    if "play_status" not in dataset:
+        return "without play in the pockets"
+    without = float(dataset["slip_without_play"])
+    return play_note(float(dataset[slip_name]), without, str(dataset["play_status"].item()))
+
+
 def slip_without_play(dataset: "xr.Dataset") -> str:
     """Return the slip of rollers set in the cage where it is printed otherwise than that with play; else empty."""
     if "play_status" not in dataset or dataset["play_status"].item() != Status.FOUND:

@@ -11,7 +11,7 @@ from rollslip.results.curves import json_value, or_none
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.play_findings import play_note
+from rollslip_studies.steady_slip.play_findings import steady_play_note
 
 #: Unit of a measure that is a difference of temperatures, printed in K.
 RISE = "K, a difference"
@@ -85,7 +85,7 @@ def _describe(measure: "xr.Dataset") -> list[str]:
     bound = "at most" if measure["sense"].item() == "largest" else "down to"
     slip = "along the motion"
     if "slip" in measure:
-        note = _play_note(measure)
+        note = steady_play_note(measure, "slip")
         slip = f"at a cage slip of {100.0 * float(measure['slip']):.3g} %{f', {note},' if note else ''}"
     sentences = [f"the {meaning}: {text}" for text in missing]
     if known:
@@ -114,14 +114,6 @@ def _describe_limit(measure: "xr.Dataset") -> str:
     if math.isnan(limit):
         return str(source)
     return f"its limit is {format_value(limit, str(measure['unit'].item()))} ({source})"
-
-
-def _play_note(dataset: "xr.Dataset") -> str:
-    """Return what the play in the pockets does to the steady slip; that it has none without the play."""
-    if "play_status" not in dataset:
-        return "without play in the pockets"
-    without = float(dataset["slip_without_play"])
-    return play_note(float(dataset["slip"]), without, str(dataset["play_status"].item()))
 
 
 def rows(dataset: "xr.Dataset") -> tuple[Row, ...]:
@@ -211,7 +203,7 @@ class SurfaceDamageAccount(Account):
             label="cage slip there",
             value=slip,
             text="not found" if status else percent(slip),
-            note=status or _play_note(dataset),
+            note=status or steady_play_note(dataset, "slip"),
         )
         summary = "no damage measured: no steady cage slip"
         if not status:

@@ -14,7 +14,7 @@ from rollslip.results.dataset import xr
 from rollslip.results.text import Status, describe_estimated, format_power, percent
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
-from rollslip_studies.steady_slip.play_findings import play_note
+from rollslip_studies.steady_slip.play_findings import steady_play_note
 
 #: Command for temperatures that follow from the losses.
 _NEXT_OF_GIVEN: Final = "rollslip run {scene} --study thermal-balance --set models.thermal=network"
@@ -180,7 +180,7 @@ class ThermalBalanceAccount(Account):
                     label="cage slip at these temperatures",
                     value=slip,
                     text="none" if math.isnan(slip) else percent(slip),
-                    note=_play_note(coldest),
+                    note=steady_play_note(coldest, "steady_slip"),
                 ),
                 *_margin_rows(dataset, str(names[0])),
                 attrs.evolve(given, note=_others(dataset, coldest) or given.note),
@@ -274,14 +274,6 @@ def _others(dataset: "xr.Dataset", balance: "xr.Dataset") -> str:
     return f"others {act} it: by itself the bearing settles at {_degrees(alone)}"
 
 
-def _play_note(balance: "xr.Dataset") -> str:
-    """Return what the play in the pockets does to the slip of a balance; that it has none without the play."""
-    if "play_status" not in balance:
-        return "without play in the pockets"
-    without = float(balance["slip_without_play"])
-    return play_note(float(balance["steady_slip"]), without, str(balance["play_status"].item()))
-
-
 def _clause(note: str) -> str:
     """Return a note as a further clause of a sentence; empty without one."""
     return f", {note}" if note else ""
@@ -303,7 +295,7 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
         sentences.append(
             f"heat is in balance at {temperatures} "
             f"({balance['stability'].item()}): {_watt(loss)} are lost, {_sinks(balance)}; the cage slip is "
-            f"{100.0 * float(balance['steady_slip']):.3g} %{given}{_clause(_play_note(balance))}"
+            f"{100.0 * float(balance['steady_slip']):.3g} %{given}{_clause(steady_play_note(balance, 'steady_slip'))}"
         )
     if (jumps := str(dataset["jumps"].item())) != NO_JUMPS:
         sentences.append(jumps)
