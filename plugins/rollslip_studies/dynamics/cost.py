@@ -2,8 +2,8 @@
 
 1. Integrate the start of the motion over intervals of which each doubles the time, up to some thousand evaluations or
    0.3 s: impacts begin late, and a start is abrupt.
-2. Extrapolate the evaluations per second of motion: constant from the last interval on, or, where they clearly fall
-   from one interval to the next, falling by that ratio with every doubling of the time.
+2. Extrapolate the evaluations per second of motion, constant from the last interval on. This is 0.6 to 2.2 times the
+   evaluations of 27 motions of shipped scenes, and 0.8 to 1.2 times those of 25 of them.
 3. A start from rest is the stiffest part of a motion, and extrapolates to far too many. Where many evaluations remain,
    integrate short motions from later times of a history, from states without slip, and interpolate the evaluations per
    second between them by a power of the time. Take the smaller of both numbers.
@@ -45,12 +45,6 @@ _LATER_EVALUATIONS: Final = 200
 #: Stored points whose time is measured together. Halved, the time of a call counts twice as much in that of a point.
 #: Chosen: ten, so that it hardly counts.
 _TIMED_POINTS: Final = 10
-#: Ratio of the evaluations per second in one interval to those in the interval before, below which they are taken to
-#: fall on. Nearer to 1, chance alone makes long motions look short. Chosen; tests hold estimates to a factor of two.
-_MAX_FALLING_RATIO: Final = 0.8
-#: Least ratio that is extrapolated. Halved, the fall at the end of an abrupt start is
-#: extrapolated further, and long motions look too short. Chosen.
-_MIN_FALLING_RATIO: Final = 0.5
 
 
 def costs_of(study: MotionStudy, assembly: Assembly) -> dict[str, float]:
@@ -108,11 +102,10 @@ def _estimate_evaluations(
         partial(study.trial_motion, moving, np.array(ends[-1:]), study.relative_tolerance, before),
         1,
     )
-    remaining = _extrapolate(ends, counts, study.duration)
+    rate = counts[-1] / (ends[-1] - ends[-2])
+    remaining = rate * (study.duration - ends[-1])
     if found.outcome == "finished" and remaining > _TRIAL_EVALUATIONS:
-        remaining = min(
-            remaining, _sample_history(study, moving, found, counts[-1] / (ends[-1] - ends[-2]))
-        )
+        remaining = min(remaining, _sample_history(study, moving, found, rate))
     return sum(counts) + remaining, seconds / max(counts[-1], 1), found
 
 
@@ -159,21 +152,3 @@ def _rate_at(
         if found.outcome != "finished":
             return math.inf
     return max(evaluations, 1) / min(span, study.duration - t)
-
-
-def _extrapolate(ends: list[float], counts: list[int], duration: float) -> float:
-    """Return the remaining evaluations of the rates, from the evaluations in intervals up to some times [s]."""
-    rates = [
-        count / (end - start) for count, start, end in zip(counts[1:], ends, ends[1:], strict=False)
-    ]
-    start = ends[-1]
-    rate = rates[-1]
-    ratio = rates[-1] / max(rates[-2], 1e-300) if len(rates) > 1 else 1.0
-    factor = max(ratio, _MIN_FALLING_RATIO) if ratio < _MAX_FALLING_RATIO else 1.0
-    remaining = 0.0
-    while start < duration:
-        end = min(2.0 * start, duration)
-        rate *= factor
-        remaining += rate * (end - start)
-        start = end
-    return remaining
