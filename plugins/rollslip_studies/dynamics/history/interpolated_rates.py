@@ -47,19 +47,18 @@ _SPEEDS: Final = (1.0, 0.3)
 #: Cage angles at which rates are compared, relative to a pitch. Several, because at one angle rollers enter and leave
 #: the loaded zone in pairs.
 _PITCH_FRACTIONS: Final = (0.0, 0.25, 0.5, 0.75)
-#: Nodes with which the axis of speed starts, relative to the largest speed; below the first, its tables are used. They
-#: are geometric because films and friction are power laws of the speed. Chosen.
-_FIRST_SPEEDS: Final = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
+#: Lower end of the axis of speed, relative to its upper end; below it, the tables there are used. Chosen.
+MIN_SPEED_FRACTION: Final = 1.0 / 64.0
 #: Maximum number of halvings of an interval. Each one more adds stations at a sharp kink before `ConvergenceError`.
-#: Chosen: 1/512 of the interval between two initial nodes.
+#: Chosen: 1/512 of an axis.
 _MAX_HALVINGS: Final = 9
 #: Nodes of an interval, in sixths of it: thirds and ends, which are nodes of its halves or their ends.
 _NODE_SIXTHS: Final = (0, 2, 4, 6)
 #: Points at which the cubic of an interval is checked, in sixths of it: about those of its largest error, and the
 #: middle, which is farthest from all nodes where there is a kink. They are nodes of the halves, so no station is lost.
 _CHECK_SIXTHS: Final = (1, 3, 5)
-#: Sixths of the smallest interval between two initial nodes: nodes are counted in them, so that they are integers.
-_SIXTHS_PER_INTERVAL: Final = 6 * 2**_MAX_HALVINGS
+#: Sixths of the smallest interval on an axis: nodes are counted in them, so that they are integers.
+_SIXTHS: Final = 6 * 2**_MAX_HALVINGS
 #: Lower bound of the rates that errors are relative to, as a fraction of the rates at the upper ends of all axes. Near
 #: zero load there is hardly any rate to be relative to, and drags move the cage. Halving it adds stations there.
 #: Chosen.
@@ -129,20 +128,10 @@ class Axis:
         """Return the value of the operation at a coordinate [N, K, rad/s]."""
         return coordinate * coordinate if self.name == "radial_load" else coordinate
 
-    @property
-    def initial_nodes(self) -> tuple[float, ...]:
-        """Coordinates between which intervals are halved."""
-        if self.name == "speed":
-            return tuple(fraction * self.high for fraction in _FIRST_SPEEDS)
-        return self.low, self.high
-
     def coordinate(self, node: int) -> float:
-        """Return the coordinate of a node, of which there are `_SIXTHS_PER_INTERVAL` between two initial ones."""
-        interval, sixths = divmod(node, _SIXTHS_PER_INTERVAL)
-        if sixths == 0:
-            return self.initial_nodes[interval]
-        low, high = self.initial_nodes[interval : interval + 2]
-        return low + sixths * (high - low) / _SIXTHS_PER_INTERVAL
+        """Return the coordinate of a node, of which there are `_SIXTHS` between the ends, which are exact."""
+        fraction = node / _SIXTHS
+        return (1.0 - fraction) * self.low + fraction * self.high
 
 
 @attrs.frozen
@@ -231,10 +220,8 @@ class Stations:
     def _interval(self, number: int, value: float) -> tuple[int, int]:
         """Return the nodes of an axis around a coordinate, between which a cubic is within the tolerance."""
         axis = self.axes[number]
-        low = _SIXTHS_PER_INTERVAL * next(
-            k for k, end in enumerate(axis.initial_nodes[1:]) if value <= end
-        )
-        high = low + _SIXTHS_PER_INTERVAL
+        low = 0
+        high = _SIXTHS
         for _ in range(_MAX_HALVINGS):
             if self._interpolation_error(number, low, high) <= self._axis_tolerance:
                 return low, high
@@ -255,7 +242,7 @@ class Stations:
             self._errors[axis, low, high] = max(
                 self._error_at(axis, low, high, rest)
                 for rest in itertools.product(
-                    *[(a.initial_nodes[0], a.high) for k, a in enumerate(self.axes) if k != axis]
+                    *[(a.low, a.high) for k, a in enumerate(self.axes) if k != axis]
                 )
             )
         return self._errors[axis, low, high]

@@ -32,6 +32,7 @@ from rollslip.structure import Location
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import MAX_AXES, Varying
 from rollslip_studies.dynamics.history.interpolated_rates import (
+    MIN_SPEED_FRACTION,
     Axis,
     PathAxis,
     Stations,
@@ -291,12 +292,12 @@ def varying_motion(
     )
     base = stations.motion(tuple(axis.high for axis in axes))
     # a bearing that cannot be assembled at the lower ends is refused here, before a run
-    stations.motion(tuple(axis.initial_nodes[0] for axis in axes))
+    stations.motion(tuple(axis.low for axis in axes))
     k = assembly.kinematics
     axis_numbers = {axis.name: k for k, axis in enumerate(axes)}
     varying = Varying(
         [(course.starts, course.powers) for course in _courses(history, axes, limit, k.direction)],
-        [(axis.initial_nodes[0], axis.high) for axis in axes],
+        [(axis.low, axis.high) for axis in axes],
         stations.interpolation_cell,
         speed_axis=axis_numbers.get("speed", -1),
         root_axis=axis_numbers.get("radial_load", -1),
@@ -334,7 +335,8 @@ def _interpolation_axes(
                 "effective friction follows speeds that change in proportion, or of one ring alone; both change "
                 "differently here: conventional friction takes that"
             )
-        axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
+        top = abs(speeds[0] - speeds[1])
+        axes.append(Axis("speed", MIN_SPEED_FRACTION * top, top))
     if history.path is not None:
         axes.append(PathAxis(history.path.name, 0.0, 1.0, history.path))
     if len(axes) > MAX_AXES:
