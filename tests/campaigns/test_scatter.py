@@ -358,23 +358,21 @@ def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
     assert found.status.startswith(begins)
 
 
-def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
-    balance = torque_balance(assemble(constant(8.0)), 1)
-    away = skidding_onset(balance, 0.95, "")
-    runs = running(balance)
-    found = reserve(balance, away, runs)
-    # a constant torque of 8 N m fades by 1/sqrt(1 + (1/w)^2) only; slips above 20 % are skidding
-    assert found.factor == pytest.approx(balance.torque(0.2) / 8.0, rel=1e-3)
-    assert found.status.startswith("the cage skids")
-
-
-def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_most_that_is_carried():
-    balance = torque_balance(assemble(constant(0.5)), 1)
-    away = skidding_onset(balance, 0.15, "")
-    runs = running(balance, 0.15)
-    found = reserve(balance, away, runs, 0.15)
-    assert found.factor == pytest.approx(balance.torque(0.15) / 0.5, rel=1e-3)
-    assert found.status == "at least: no skidding up to a slip of 0.15"
+@pytest.mark.parametrize(
+    ("size", "end", "slip", "begins"),
+    [
+        (8.0, 0.95, 0.2, "the cage skids"),  # slips above 20 % are skidding
+        (0.5, 0.15, 0.15, "at least: no skidding up to a slip of 0.15"),
+    ],
+)
+def test_without_an_onset_before_the_drag_the_reserve_is_the_largest_torque_of_the_range(
+    size, end, slip, begins
+):
+    """A constant torque [N m] fades by 1/sqrt(1 + (1/w)^2) only."""
+    balance = torque_balance(assemble(constant(size)), 1)
+    found = reserve(balance, skidding_onset(balance, end, ""), running(balance, end), end)
+    assert found.factor == pytest.approx(balance.torque(slip) / size, rel=1e-3)
+    assert found.status.startswith(begins)
 
 
 def points(statuses):

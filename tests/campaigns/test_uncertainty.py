@@ -6,7 +6,6 @@ import re
 import shlex
 from collections import Counter
 
-import attrs
 import numpy as np
 import pytest
 import xarray as xr
@@ -15,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
+import scattered
 import without_bands
 from coarse import COARSE, SET_COARSE, coarse
 from drawn import words
@@ -25,7 +25,6 @@ from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.table import sheet
 from rollslip.results.text import two_digits
-from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
 from rollslip.units import quantity
 from rollslip_campaigns.sweep import folder as swept
@@ -51,9 +50,7 @@ SCENE = rollslip.evolve(
 ACCEPTABLE = rollslip.evolve(SCENE, {"study.steady-slip.acceptable_slip": 0.05})
 
 
-def uncertain(**table):
-    raw = {**SCENE.raw, "uncertainty": table}
-    return attrs.evolve(SCENE, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
+uncertain = functools.partial(scattered.uncertain, SCENE)
 
 
 #: An uncertain pressure viscosity, whose factor is drawn from a uniform distribution.

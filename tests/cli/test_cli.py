@@ -304,8 +304,7 @@ def test_a_model_that_does_not_exist_gets_the_nearest(tmp_path, change, says):
     ],
 )
 def test_wrong_usage(tmp_path, arguments, says):
-    done = command(*arguments, cwd=tmp_path, code=2)
-    assert says in done.stderr
+    assert says in command(*arguments, cwd=tmp_path, code=2).stderr
 
 
 @pytest.mark.quick

@@ -394,8 +394,7 @@ def test_long_values_are_cut_in_messages() -> None:
 
 
 def test_errors_survive_a_process_boundary() -> None:
-    error = pickle.loads(pickle.dumps(UnitError("a")))
-    assert str(error) == "a"
+    assert str(pickle.loads(pickle.dumps(UnitError("a")))) == "a"
 
 
 def test_importing_units_is_cheap() -> None:
