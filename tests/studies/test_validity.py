@@ -22,7 +22,14 @@ from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.models import models_as_dict
 from rollslip.errors import DomainError
-from rollslip.models import ISOTHERMAL, FilmModel, SliceModel, Tabled, TractionModel, Validity
+from rollslip.models import (
+    ISOTHERMAL,
+    FilmModel,
+    SliceModel,
+    Tabled,
+    TractionModel,
+    Validity,
+)
 from rollslip.planning.execution import warnings
 from rollslip.results.text import collect_warnings as together
 from rollslip.studies.validity import (
@@ -41,7 +48,7 @@ from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.eyring import Eyring, Muraki
-from rollslip_plugins.traction.heating import MEAN_PRESSURE
+from rollslip_plugins.traction.heating import MEAN_PRESSURE, NO_ASPERITIES
 from rollslip_plugins.traction.local import MaxwellEyringLocal
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from tabled import TABLES, rows_of
@@ -726,3 +733,18 @@ def test_what_elasticity_is_said_to_take_is_right_at_any_deborah_number(deborah)
         fraction = 1 - (mpmath.mpf(deborah) / 2) * (1 - mpmath.exp(-2 / mpmath.mpf(deborah)))
         expected = float(100 / fraction - 100)
     assert law.error(deborah) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("reads", "own", "codes"),
+    [
+        ({"film_viscosity", "sliding_speed"}, {}, ["W13", "W11"]),
+        ({"film_viscosity"}, {"validity": (MEAN_PRESSURE,)}, ["W11"]),
+        ({"film_viscosity", "sliding_speed"}, {"viscosity_at": "local"}, ["W13"]),
+        ({"pressure", "sliding_speed"}, {}, ["W13"]),
+    ],
+)
+def test_a_law_that_takes_the_viscosity_at_the_mean_pressure_says_so(reads, own, codes):
+    members = {"reads": frozenset(reads), "validity": (NO_ASPERITIES,), **own}
+    law = type("Law", (TractionModel,), members)
+    assert [bound.code for bound in law.validity] == codes

@@ -25,12 +25,19 @@ from rollslip.models.stages import (
     common_domain,
     submodel,
 )
-from rollslip.models.validity import ISOTHERMAL, SMOOTH, Tabled, Validity, in_regime
+from rollslip.models.validity import (
+    ISOTHERMAL,
+    MEAN_PRESSURE,
+    SMOOTH,
+    Tabled,
+    Validity,
+    in_regime,
+)
 from rollslip.references import ReferenceValue
 
 __all__ = [
-    "FINITE", "ISOTHERMAL", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH", "ContactModel",
-    "Domain", "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel", "ReferenceValue",
-    "ResistanceModel", "SliceModel", "Tabled", "TractionModel", "Validity", "common_domain",
+    "FINITE", "ISOTHERMAL", "MEAN_PRESSURE", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH",
+    "ContactModel", "Domain", "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel",
+    "ReferenceValue", "ResistanceModel", "SliceModel", "Tabled", "TractionModel", "Validity", "common_domain",
     "evaluate_arrays", "from_scene", "in_regime", "in_unit", "interval", "left_to_scene", "submodel",
 ]  # fmt: skip

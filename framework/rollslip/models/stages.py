@@ -21,7 +21,7 @@ import attrs
 from rollslip.errors import DomainError
 from rollslip.models.domains import NON_NEGATIVE, POSITIVE, Domain, evaluate_arrays
 from rollslip.models.scene_values import left_to_scene
-from rollslip.models.validity import ISOTHERMAL, SMOOTH, Validity, in_regime
+from rollslip.models.validity import ISOTHERMAL, MEAN_PRESSURE, SMOOTH, Validity, in_regime
 from rollslip.references import CitedModel
 
 if TYPE_CHECKING:
@@ -237,6 +237,21 @@ class TractionModel(SliceModel):
     #: most one maximum", which is that of a law that declares none, or "any"; and "bound" -> name of the parameter, or
     #: of the method of slices, that is its upper bound.
     shapes: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    #: Pressure at which a law takes the ``film_viscosity`` that it reads: "mean" of the contact, or "local" for a law
+    #: that corrects it. A law of the mean pressure has the validity `MEAN_PRESSURE`, unless it states another W11.
+    viscosity_at: ClassVar[str] = "mean"
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        reads = vars(cls).get("reads")
+        if (
+            isinstance(reads, frozenset)
+            and "film_viscosity" in reads
+            and cls.viscosity_at == "mean"
+            and isinstance(cls.validity, tuple)
+            and MEAN_PRESSURE.code not in [bound.code for bound in cls.validity]
+        ):
+            cls.validity = (*cls.validity, MEAN_PRESSURE)
 
     def groups(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
         """Return the dimensionless groups of evaluated slices on which the error of the closed form depends.

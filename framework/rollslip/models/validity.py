@@ -10,7 +10,15 @@ import attrs
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["FILM_REGIMES", "ISOTHERMAL", "SMOOTH", "Tabled", "Validity", "in_regime"]
+__all__ = [
+    "FILM_REGIMES",
+    "ISOTHERMAL",
+    "MEAN_PRESSURE",
+    "SMOOTH",
+    "Tabled",
+    "Validity",
+    "in_regime",
+]
 
 
 @attrs.frozen(kw_only=True)
@@ -143,6 +151,19 @@ SMOOTH: Final = Validity(
     remedy="no built-in model covers this; smoother surfaces or a thicker oil avoid it",
     source="Patir and Cheng (1978), by whom roughness matters below Lambda of about 3 (B)",
     common=True,
+)
+#: Validity of traction laws that take the viscosity at the mean pressure of a contact.
+MEAN_PRESSURE: Final = Validity(
+    code="W11",
+    quantity="pressure_exponent",
+    high=1.0,
+    consequence="the viscosity at the mean pressure is too low: friction by at most {error} where the oil is Newtonian "
+    "(sigma < 0.3) and inelastic, by 4 % and less at sigma > 10 up to an exponent of 6",
+    error=Tabled(
+        ((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))
+    ),
+    remedy="the default law of the full film, which takes the pressures of the contact",
+    source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
 )
 
 

@@ -14,11 +14,20 @@ from collections.abc import Callable
 from types import MappingProxyType
 from typing import ClassVar, Final
 
+import attrs
 import numpy as np
 
+from rollslip import models
 from rollslip.fields import parameter, positive
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, Tabled, TractionModel, Validity
+from rollslip.models import (
+    FINITE,
+    NON_NEGATIVE,
+    POSITIVE,
+    Domain,
+    TractionModel,
+    Validity,
+)
 from rollslip.search import Array
 from rollslip_kernels.slices import Slices
 
@@ -71,18 +80,11 @@ NO_ASPERITIES: Final = Validity(
     replacement="lambda-blend.hydrodynamic",
     source="limit of the full film of 'lambda-blend' (C)",
 )
-MEAN_PRESSURE: Final = Validity(
-    code="W11",
-    quantity="pressure_exponent",
-    high=1.0,
-    consequence="the viscosity at the mean pressure is too low: friction by at most {error} where the oil is Newtonian "
-    "(sigma < 0.3) and inelastic, by 4 % and less at sigma > 10 up to an exponent of 6",
-    error=Tabled(
-        ((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))
-    ),
+#: The same with the law that takes the pressures of the contact.
+MEAN_PRESSURE: Final = attrs.evolve(
+    models.MEAN_PRESSURE,
     remedy="traction 'maxwell-eyring-local', which takes the pressures of the contact",
     replacement="maxwell-eyring-local",
-    source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
 )
 SLOW_SLIDING: Final = Validity(
     code="W12",
