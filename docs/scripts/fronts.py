@@ -19,6 +19,7 @@ from output import DOCS, write_table
 
 from rollslip import evolve, load_scene
 from rollslip.results.figures import save_plots
+from rollslip.studies.study import AXES
 from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto.findings import ParetoAccount, milliseconds, rows_of_kinds, studies
 from rollslip_campaigns.pareto.pareto import run_family
@@ -69,7 +70,7 @@ def main():
     for table in sys.argv[1:] or CASES:
         name, study, changes, rounds, figures = CASES[table]
         family = ParetoSettings(
-            evolve(load_scene(name), changes, si=True), study=study, rounds=rounds
+            evolve(load_scene(name), changes, si=True), study=study, choices=AXES, rounds=rounds
         ).plan()
         dataset = run_family(family, KEPT / table, lambda *told: print(*told, flush=True))
         names = [

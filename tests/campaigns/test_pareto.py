@@ -30,8 +30,9 @@ from rollslip.results.accounts import account_of
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.results.style import STYLE
+from rollslip.results.text import duration_range
 from rollslip.studies.study import AXES
-from rollslip_campaigns.pareto import ParetoSettings
+from rollslip_campaigns.pareto import ParetoSettings, candidates
 from rollslip_campaigns.pareto import figures as front_figures
 from rollslip_campaigns.pareto import pareto as fronts
 from rollslip_campaigns.pareto.candidates import EXACT, HALF
@@ -75,7 +76,7 @@ def _nothing_stays_registered(monkeypatch):
 def _one_run_a_turn():
     """What a time is worth is not tested here."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fronts, "_MIN_TURN", 0.0)
+        patch.setattr(fronts, "MIN_TURN", 0.0)
         yield
 
 
@@ -138,7 +139,7 @@ def effective():
 
 @pytest.fixture(scope="module")
 def contact():
-    return pareto(SCENE, study="friction-curve", rounds=2)
+    return pareto(SCENE, study="friction-curve", choices=AXES, rounds=2)
 
 
 # The front ----------------------------------------------------------------------------------------------------------
@@ -200,7 +201,36 @@ def test_the_family_is_told_before_it_runs():
         EXACT,
     ]
     assert "the scene states 15 slices" in family.notes[0]
+    assert len(family.notes) == 1
     assert family.choices[0].resolution == reference_resolution(SCENE)
+
+
+def test_numpy_is_compared_only_where_it_is_named():
+    settings = {"scene": SCENE, "study": "friction-curve"}
+    default = ParetoSettings(**settings).plan()
+    named = ParetoSettings(**settings, choices="compiled").plan()
+    assert all(choice.resolution.compiled for choice in default.choices)
+    assert "--choices compiled" in default.notes[0]
+    assert not named.choices[-1].resolution.compiled
+    assert named.notes == ()
+
+
+@pytest.mark.parametrize("rounds", [1, 3])
+def test_the_time_is_estimated_from_rounds_and_resolutions(rounds, monkeypatch):
+    monkeypatch.setattr(candidates, "processor_time", lambda work: 2.0)
+    family = ParetoSettings(
+        SCENE, study="effective-friction", choices="n_positions", rounds=rounds
+    ).plan()
+    # slices are stated, so that roller positions alone change the time, of which a half is proportional to them
+    planned = family.choices_of("effective-friction", "numerical")[0].resolution
+    seconds = 0.0
+    for choice in family.choices:
+        assert choice.resolution.slices == planned.slices
+        turn = 1.0 + choice.resolution.n_positions / planned.n_positions
+        seconds += turn * (rounds if choice.kind == "numerical" else 1)
+    *scope, time_sentence = family.cost_sentences
+    assert f"this takes {duration_range(seconds)} of the processor" in time_sentence
+    assert "numerical" in scope[0]
 
 
 def test_slices_that_a_scene_leaves_open_go_on_and_gauss_takes_part():
@@ -212,12 +242,12 @@ def test_slices_that_a_scene_leaves_open_go_on_and_gauss_takes_part():
         for one in family.choices_of("friction-curve", "numerical")
     }
     assert {(401, "equal"), (101, "gauss")} <= found
-    assert family.notes == ()
+    assert not any("the scene states" in note for note in family.notes)
 
 
 def test_one_slice_a_contact_leaves_no_slices_to_choose():
     family = ParetoSettings(
-        evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve"
+        evolve(SCENE, {"bearing.profile": "none"}), study="friction-curve", choices=AXES
     ).plan()
     assert [one.label for one in family.choices_of("friction-curve", "numerical")] == [
         PLANNED,
@@ -230,8 +260,8 @@ def test_choices_are_of_what_acts_on_a_result():
     family = ParetoSettings(scene).plan()
     assert list(family.studies) == list(scene.study)
     for study, axes in {
-        "friction-curve": {"slices", "traction", "film", "compiled"},
-        "effective-friction": {"slices", "n_positions", "traction", "film", "compiled"},
+        "friction-curve": {"slices", "traction", "film"},
+        "effective-friction": {"slices", "n_positions", "traction", "film"},
     }.items():
         planned = family.choices_of(study, "numerical")[0]
         varied = set()
@@ -698,7 +728,7 @@ import rollslip
 from rollslip_campaigns.pareto import pareto as fronts
 from rollslip.cli import main
 
-fronts._MIN_TURN = 0.0
+fronts.MIN_TURN = 0.0
 whole = fronts._take_turn
 def slow(family, choice, record):
     print(choice.label, flush=True)

@@ -239,6 +239,8 @@ def _run(requested: Campaign, about: str, results: Results, printing: Printing) 
         resumes_folder = requested.resume_mode == "folder"
         warn_unusual(plan)
         results.choose_folder(requested.folder_name(plan, about))
+        for sentence in getattr(plan, "cost_sentences", ()):
+            click.echo(f"note: {sentence}", err=True)
         run = _run_in_folder if resumes_folder else _run_and_write
         dataset = run(requested, plan, results, printing)
     if results.as_json:

@@ -142,8 +142,9 @@ class Campaign(abc.ABC):
     def plan(self) -> Any:
         """Check the settings, and return what will run.
 
-        The plan may have attributes ``messages``, lines on versions, size and cost; ``unusual``, lines of which the
-        command warns; and ``seconds``, the estimated time.
+        The plan may have attributes ``messages``, lines on versions, size and cost; ``cost_sentences``, which the
+        command prints before the run; ``unusual``, lines of which the command warns; and ``seconds``, the estimated
+        time.
         """
 
     @abc.abstractmethod

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 class ParetoSettings(OfScene):
     """Compare error and cost for the studies of SCENE: a family of choices, and their Pareto front.
 
-    What may differ: slices, quadrature, n_positions, table_tolerance, integrator, integrator_tolerance, compiled (NumPy
-    in its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
-    other models differ from the exact one.
+    What may differ: slices, quadrature, n_positions, table_tolerance, integrator, integrator_tolerance, traction, film,
+    friction, and where it is named compiled (NumPy in its place). Errors of numerical choices are against the finest of
+    the same models; other models differ from the exact one.
 
     Returns
     -------
@@ -54,7 +54,7 @@ class ParetoSettings(OfScene):
 
     study: str | None = setting("Only this study.", metavar="STUDY")
     choices: Sequence[str] | str = setting(
-        "What may differ, such as slices,n_positions; by default all there is.",
+        "What may differ, such as slices,n_positions; by default all except compiled.",
         default=(),
         metavar="A,B",
         repeatable=True,

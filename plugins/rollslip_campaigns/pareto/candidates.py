@@ -29,15 +29,18 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError, did_you_mean, nearest
 from rollslip.planning.campaign import listed
 from rollslip.planning.plan import Plan, plan
-from rollslip.results.text import format_count
+from rollslip.results.text import duration_range, format_count
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.structure import raise_problems
 from rollslip.studies.study import AXES, Study
+from rollslip.studies.timing import processor_time
 from rollslip_campaigns.comparison.choices import choice_of, loadable
 from rollslip_campaigns.pareto import ParetoSettings
 from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE
 
+#: Kinds of choices.
+_KINDS: Final = ("numerical", "modelling", "film", "reference")
 #: Numbers of equal slices; odd, so that one slice is at the centre.
 _SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
 #: Numbers of Gauss-Legendre points; fewer than slices, because they converge faster.
@@ -62,6 +65,13 @@ _REFERENCE_TABLES: Final = 0.1
 #: Tolerances of the solution that estimates the error of the reference solution, over those of the latter; slices
 #: and roller positions are halved. Four is two halvings, as of a method of second order.
 _COARSENING: Final = 4.0
+#: Fraction of the time of a study that is proportional to slices and roller positions. The estimate for references,
+#: which have 80 to 600 times as many, is proportional to it. With 0.5 it is right to a factor of 2.3 for friction and
+#: steady slip of NU 2316; with 1 that for the steady slip is 4.5 times too long.
+_PROPORTIONAL_TIME: Final = 0.5
+#: Processor time [s] of a turn at least: the clock of some systems has steps of 16 ms. Doubling it halves the error of
+#: the clock, and doubles the time of short studies.
+MIN_TURN: Final = 0.05
 
 #: Label of the solution with half the resolution of the reference solution.
 HALF = "half as fine"
@@ -119,16 +129,33 @@ class Family:
     notes: tuple[str, ...]
 
     @property
+    def cost_sentences(self) -> list[str]:
+        """Sentences on scope and time, printed before the run. For the estimate of the time each study runs twice."""
+        seconds = 0.0
+        for name, study in self.studies.items():
+            planned = self.choices_of(name, "numerical")[0]
+            assembly = assemble(planned.scene, planned.resolution)
+            once = processor_time(partial(study.run, assembly))
+            size = planned.resolution.slices * (planned.resolution.n_positions or 1)
+            for choice in self.choices_of(name, *_KINDS):
+                ratio = choice.resolution.slices * (choice.resolution.n_positions or 1) / size
+                turn = once * (1.0 - _PROPORTIONAL_TIME + _PROPORTIONAL_TIME * ratio)
+                is_reference = choice.kind == "reference"
+                seconds += turn if is_reference else self.rounds * max(turn, MIN_TURN)
+        return [
+            *self.messages[1:],
+            f"this takes {duration_range(seconds)} of the processor; --rounds, --study and --choices shorten it, "
+            "and Ctrl-C ends it",
+        ]
+
+    @property
     def messages(self) -> list[str]:
         """Lines that describe the run: the number of choices of each study by kind, rounds and references."""
         from rollslip.cli.console import headline
 
         lines = [headline(self.plan)]
         for study in self.studies:
-            counts = {
-                kind: len(self.choices_of(study, kind))
-                for kind in ("numerical", "modelling", "film", "reference")
-            }
+            counts = {kind: len(self.choices_of(study, kind)) for kind in _KINDS}
             reference = self.choices_of(study, "reference")[0].resolution
             n_positions = ""
             if (reference.n_positions or 1) > 1:
@@ -163,9 +190,13 @@ def plan_family(requested: "ParetoSettings") -> Family:
     for law in laws:
         get_class("traction", law)
     base = plan(scene, requested.study)
-    if axes:
-        axes += ("traction",) * bool(laws) + ("film",) * bool(films)
-    axes = tuple(dict.fromkeys(axes or AXES))
+    notes = list[str]()
+    if not axes:
+        notes.append(
+            "NumPy in place of compiled code is not compared; --choices compiled does that"
+        )
+        axes = tuple(axis for axis in AXES if axis != "compiled")
+    axes = tuple(dict.fromkeys((*axes, *["traction"] * bool(laws), *["film"] * bool(films))))
     scenes = _films(scene, films)
     choices: list[Choice] = []
     for name, study in base.studies.items():
@@ -181,7 +212,6 @@ def plan_family(requested: "ParetoSettings") -> Family:
                 f"{', '.join(possible)}, but not in {', '.join(axes)} as far as the scene leaves that open"
             ]
         )
-    notes = []
     if (
         scene.accuracy.slices is not None
         and base.assembly.slices > 1

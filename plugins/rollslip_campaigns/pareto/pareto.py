@@ -20,7 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import attrs
 import numpy as np
@@ -35,13 +35,9 @@ from rollslip.planning.progress import ProgressReporter
 from rollslip.planning.provenance import combine_origins, models_origin, origin, run_origin
 from rollslip.results.dataset import about, xr
 from rollslip.structure import scene_hash
-from rollslip_campaigns.pareto.candidates import EXACT, HALF, Choice, Family
+from rollslip_campaigns.pareto.candidates import EXACT, HALF, MIN_TURN, Choice, Family
 from rollslip_campaigns.pareto.findings import PLANNED, REFERENCE, ROUNDING
 from rollslip_campaigns.sweep.journal import StoredValues
-
-#: Processor time [s] of a turn at least: the clock of some systems has steps of 16 ms. Doubling it halves the error of
-#: the clock, and doubles the time of short studies.
-_MIN_TURN: Final = 0.05
 
 
 def front(cost: Array, error: Array) -> NDArray[np.bool_]:
@@ -142,7 +138,7 @@ def _take_turn(family: Family, choice: Choice, record: Record) -> None:
     count = 0
     study = family.studies[choice.study]
     try:
-        while seconds < _MIN_TURN * (choice.kind != "reference") or not count:
+        while seconds < MIN_TURN * (choice.kind != "reference") or not count:
             assembly = assemble(choice.scene, choice.resolution)
             start = time.process_time()
             dataset = study.run(assembly)
