@@ -143,9 +143,17 @@ def test_unknowns_and_cost_go_with_rollers_and_slices(monkeypatch):
     fine = assemble(evolve(scene, {"accuracy.slices": 40}))
     coarse = fine.at(attrs.evolve(fine.resolution, slices=1))
     assert (one.degrees_of_freedom(fine), one.degrees_of_freedom(coarse)) == (2 + 2 * 28, 2 + 28)
-    monkeypatch.setattr("rollslip.studies.study.processor_time", lambda work, times: 1.0)
-    at = fine.at(attrs.evolve(fine.resolution, n_positions=3))
-    assert Study.cost(one, at) == {"run": pytest.approx(3 * 40 / min(40, COARSE_SLICES))}
+    # 2 s for each position, and 5 s for what they share
+    monkeypatch.setattr(
+        "rollslip.studies.study.processor_time",
+        lambda work: 5.0 + 2.0 * work.args[0].resolution.n_positions,
+    )
+    at = fine.at(attrs.evolve(fine.resolution, n_positions=6))
+    slices = 40 / min(40, COARSE_SLICES)
+    assert Study.cost(one, at) == {"run": pytest.approx((5.0 + 6 * 2.0) * slices)}
+    [curve] = settings(scene, "friction-curve").values()
+    assert "n_positions" not in curve.affected_by
+    assert Study.cost(curve, at) == {"run": pytest.approx((5.0 + 2.0) * slices)}
 
 
 def test_curves_are_told_apart_by_their_values_and_studies_are_those_of_the_scene():

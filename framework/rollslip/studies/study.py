@@ -44,7 +44,7 @@ from rollslip.studies.error_estimate import (
     choose_by_curves,
     choose_by_doubling,
 )
-from rollslip.studies.timing import processor_time
+from rollslip.studies.timing import N_POSITIONS, extrapolate_line, processor_time
 from rollslip.studies.validity import rolling_slices
 from rollslip.units import as_written
 
@@ -265,21 +265,26 @@ class Study(DiscretisedStudy, abc.ABC):
         return reference_resolution(scene), "against the finest"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the estimated time [s] of each part at the resolution of the bearing, by a small run that is scaled.
+        """Return the estimated time [s] of each part at the resolution of the bearing, extrapolated from small runs.
 
-        A `RollslipError` says why, where the small run fails.
+        It is proportional to the slices, and linear in the roller positions. A `RollslipError` says why, where a small
+        run fails.
         """
         resolution = assembly.resolution
-        coarse = attrs.evolve(
-            resolution,
-            slices=min(resolution.slices, COARSE_SLICES),
-            quadrature="equal",
-            n_positions=1,
-        )
-        small = assembly.at(coarse)
-        positions = resolution.n_positions or 1 if "n_positions" in self.affected_by else 1
-        seconds = processor_time(partial(self.run, small), 1)
-        return {"run": assembly.slices / small.slices * positions * seconds}
+        times = list[float]()
+        for n_positions in N_POSITIONS:
+            coarse = attrs.evolve(
+                resolution,
+                slices=min(resolution.slices, COARSE_SLICES),
+                quadrature="equal",
+                n_positions=n_positions,
+            )
+            small = assembly.at(coarse)
+            times.append(processor_time(partial(self.run, small)))
+            if "n_positions" not in self.affected_by:
+                return {"run": assembly.slices / small.slices * times[0]}
+        seconds = extrapolate_line(N_POSITIONS, times, resolution.n_positions or 1)
+        return {"run": assembly.slices / small.slices * seconds}
 
     def parts(
         self, assembly: Assembly, estimated: ResolutionChoice, costs: Mapping[str, float]
