@@ -81,9 +81,6 @@ _PARTS: Final = ("inner_ring", "outer_ring", "roller")
 #: Works that are cited on the page, the first ones: the paper of the equations and rollslip. A file has the others.
 _FULL_CITATIONS: Final = 2
 
-#: Details of a reason, which the page leaves out.
-_IN_BRACKETS: Final = re.compile(r" \([^()]*\)")
-
 #: A temperature in a sentence, which people write with the sign of a degree; a value in a command has quotes.
 _CELSIUS: Final = re.compile(r"(?<=\d) degC\b(?!['\"&])")
 
@@ -294,11 +291,7 @@ def _plan(datasets: Datasets) -> str:
         for name, dataset in datasets.items():
             for part in json.loads(dataset.attrs.get("plan", "[]")):
                 key = part["part"], part["choice"]
-                text = (
-                    part[last]
-                    if included
-                    else _first_sentence(_IN_BRACKETS.sub("", part[last])).rstrip(";")
-                )
+                text = part[last] if included else part[last].partition("; ")[0]
                 if part["included"] is included and part["part"] not in kinds and (key[1] or text):
                     rows.setdefault(key, {}).setdefault(text, []).append(name)
         table = [

@@ -174,12 +174,13 @@ def rings(assembly: Assembly) -> Part:
     with contextlib.suppress(RollslipError):  # no plugin, or no room for a ring
         bare, seated = ring_flexibility(scene.bearing, scene.operation.radial_load, stated=stated)
         effect = f"flexible rings change the loads of rollers by about {100 * seated.change:.2g} %"
-        if len(stated) == 2:
-            effect += f" ({seated})"
-        else:
-            effect += f" in their seats ({seated}), {100 * bare.change:.2g} % bare ({bare})"
+        numbers = str(seated)
+        if len(stated) < 2:
+            effect += f" in their seats, {100 * bare.change:.2g} % bare"
+            numbers = f"in their seats {seated}; bare {bare}"
         if not bare.change > scene.accuracy.tolerance:
             effect += ", less than accuracy.tolerance"
+        effect += f"; {numbers}"  # reports show what stands before a semicolon
     if both is None:
         return Part(
             part="flexible rings",
