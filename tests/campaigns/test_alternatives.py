@@ -13,6 +13,7 @@ from coarse import coarse
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.results.accounts import account_of
+from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
@@ -44,6 +45,16 @@ def test_the_better_stands_first_and_what_failed_last(oils):
     said = account_of(oils).sentences(oils)
     assert said[0].endswith("within the scatter of the data no clear winner over iso-vg-68")
     assert said[1].startswith("nope: ")
+    assert account_of(oils).answer(oils).faults == (
+        "nope: lubricant.name: no lubricant is called 'nope'",
+    )
+
+
+def test_what_cannot_run_is_named_before_the_others_run():
+    planned = ComparisonSettings(SCENE, oil="iso-vg-68, iso-vg-220, nope").plan()
+    [warning] = planned.unusual
+    assert warning.startswith("nope is left out: lubricant.name: no lubricant is called 'nope'; ")
+    assert "'rollslip models lubricant' lists them" in warning
 
 
 def test_models_of_rings_are_alternatives_too():

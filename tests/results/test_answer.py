@@ -652,6 +652,16 @@ def test_every_code_is_explained(code):
     assert all(line.startswith("  ") for line in rows)
 
 
+def test_a_rule_explains_what_decides_an_open_verdict():
+    explained = {
+        code: json.loads(CliRunner().invoke(cli, ["explain", code, "--json"]).stdout)
+        for code in ("V1", "V5", "V10")
+    }
+    assert "remedy" not in explained["V1"]
+    assert "rollslip uncertainty" in explained["V5"]["remedy"]
+    assert "'assumed'" in explained["V10"]["remedy"]
+
+
 def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is_refused():
     said = json.loads(CliRunner().invoke(cli, ["explain", "W11", "--json"]).stdout)
     assert said["valid for"] == MEAN_PRESSURE.bound.join(("pressure exponent ln(eta/eta0) ", ""))

@@ -114,7 +114,9 @@ def models_as_dict(what: str | None) -> Any:
 def explained(code: str) -> dict[str, str]:
     """Return the explanation of the code of a note, or of a rule of the verdict: title -> text."""
     found = {
-        rule.code: {"verdict": rule.verdict, "where": rule.condition, "rests on": rule.source} for rule in RULES
+        rule.code: {"verdict": rule.verdict, "where": rule.condition, "rests on": rule.source}
+        | ({"remedy": rule.remedy} if rule.remedy else {})
+        for rule in RULES
     } | {APPROXIMATION: {"note": "a law that approximates another is off it by as much as the note says",
                          "remedy": "the law that it approximates, which the note names"}}  # fmt: skip
     own = dict[tuple[str, str], dict[str, list[str]]]()

@@ -247,6 +247,7 @@ class Rule:
     remark: str = ""
     row: str = "cage_slip"  #: Key of the row beside which the remark is shown.
     source: str = "a choice"  #: Reason of the limit.
+    remedy: str = ""  #: What decides an open verdict.
 
     @property
     def condition(self) -> str:
@@ -273,9 +274,10 @@ RULES: Final = (
     Rule(code="V4", verdict=Verdict.UNKNOWN, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
          remark="below 1.5, may skid", source="a choice: drags are known to a factor"),
     Rule(code="V5", verdict=Verdict.UNKNOWN, conditions=((Fact.BAND_HIGH, ">", SKIDDING_SLIP),),
-         remark="may skid"),
+         remark="may skid", remedy="rollslip uncertainty SCENE says which data decide; state these"),
     Rule(code="V10", verdict=Verdict.UNKNOWN, conditions=((Fact.CHOICE, ">", SKIDDING_SLIP),),
-         remark="may skid, see assumed"),
+         remark="may skid, see assumed",
+         remedy="state in the scene what the answer has under 'assumed'; rollslip run SCENE --all lists all of it"),
     Rule(code="V11", verdict=Verdict.UNKNOWN, conditions=((Fact.VISCOSITY_RATIO, ">", 100.0),), row="film_parameter",
          remark="kappa above 100 is outside the range of the models"),
     Rule(code="V12", verdict=Verdict.UNKNOWN, conditions=((Fact.FILM_PARAMETER, "<", 0.1),), row="film_parameter",

@@ -101,6 +101,11 @@ class Alternatives:
     refused: Mapping[str, str]
     messages: tuple[str, ...] = ()
 
+    @property
+    def unusual(self) -> list[str]:
+        """Warnings of the combinations that cannot run."""
+        return [f"{label} is left out: {reason}" for label, reason in self.refused.items()]
+
 
 def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
     """Return a scene for each combination of the named alternatives."""

@@ -334,7 +334,12 @@ class AlternativesAccount(Account):
         rows = rows_along(dataset, "alternative")
         answers = json.loads(dataset.attrs["rows"])
         done = [row for row in rows if row["status"] == "done"]
-        failed = [f"{row['alternative']} failed" for row in rows if row["message"]]
+        # what to do about it follows the semicolon; the command has warned of it, and -v prints it
+        failed = [
+            f"{row['alternative']}: {row['message'].partition('; ')[0]}"
+            for row in rows
+            if row["message"]
+        ]
         summary = "no alternative has a result"
         if done:
             slip = answers.get(done[0]["alternative"], {}).get("cage_slip", "")
