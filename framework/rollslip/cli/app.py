@@ -186,7 +186,7 @@ def results_options(
         "no_plots": click.option("--no-plots", is_flag=True, help=plots),
         "formats": click.option(
             "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
-            help="Files of the plots: svg, pdf, png; of a table: csv, xlsx.",
+            help="Files of the plots: svg, pdf, png; of a table: csv, xlsx; svg,csv for both.",
         ),
     }  # fmt: skip
     left_out = {

@@ -200,7 +200,9 @@ def _study(scene: Scene, study: str | None) -> str:
         others = [name for name, cls in loadable("study") if cls.curves_of is not None]
         raise SceneError(
             [
-                f"study {study!r} cannot be compared, only {' and '.join(others)} can; name one by --study"
+                f"study {study!r} has no curves to compare, only {' and '.join(others)} have; name one by --study, or "
+                f"compare results over a load: rollslip sweep run {scene.source} --study {study} "
+                "--over models.traction.hydrodynamic=A,B --over load=LOW:HIGH:COUNT"
             ]
         )
     return study
