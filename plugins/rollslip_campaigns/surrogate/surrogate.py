@@ -285,7 +285,9 @@ def run_surrogate(
         )
         if errors.max() <= plan.error:
             break
-    if errors.max() > plan.error and not plan.seconds:
+    if errors.max() > plan.error and plan.seconds:
+        print_line(f"more time makes it smaller: --within '{4.0 * plan.seconds:.0f} s'")
+    elif errors.max() > plan.error:
         raise ConvergenceError(
             f"the error of the finest tables at random operations is {100 * errors.max():.2g} %, more than "
             f"{100 * plan.error:.3g} %; allow a larger --error, or narrow the ranges"

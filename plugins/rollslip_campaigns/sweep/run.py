@@ -52,6 +52,7 @@ from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, describe_error
 from rollslip.structure import Location
 from rollslip.studies.study import settings
+from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.definition import Sweep, installed_versions
 from rollslip_campaigns.sweep.journal import (
     STATUSES,
@@ -433,7 +434,7 @@ class _Run:
 
         Threads are never the fastest: half of the time of a point and more is Python, which holds the interpreter lock.
         """
-        text = f"a point takes {point_seconds * 1e3:.3g} ms"
+        text = f"a point takes {format_quantity(point_seconds, 's', 3)}"
         name = "serial"
         if count == 1 or not left:
             why = f"{text}, and there is {'one core' if left else 'nothing left'}"
