@@ -308,6 +308,13 @@ def test_wrong_usage(tmp_path, arguments, says):
 
 
 @pytest.mark.quick
+def test_a_verified_run_prints_the_error_that_the_finer_run_shows(tmp_path):
+    coarse = ["--set=accuracy.slices=5", "--set=study.friction-curve.points=9"]
+    printed = command("run", "1032930-70C", *QUICK, *coarse, "--verify", cwd=tmp_path).stdout
+    # both runs have the slices that are stated
+    assert "0e+00 against the finest, tolerance 0.001" in printed
+
+
 def test_models_that_do_not_exist(tmp_path):
     assert "did you mean 'muraki'" in command("models", "murak", cwd=tmp_path, code=2).stderr
 

@@ -160,11 +160,15 @@ def test_the_terminal_shows_all_or_only_an_error_that_is_not_kept(capsys, found)
     dataset = strangers(accuracy=json.dumps([error]), cost=json.dumps(cost))
     lines = account_of(dataset).lines(dataset)
     kept = found <= 1e-3
-    console.print_results([dataset], whole=False)
+    console.print_results([dataset], whole=False, errors=False)
     short = capsys.readouterr().out.splitlines()
     assert short[:1] == ["grip-of-a-stranger:"] * (not kept)
     assert ["not kept" in line for line in short[1:]] == [True] * (not kept)
-    console.print_results([dataset], whole=True)
+    console.print_results([dataset], whole=False, errors=True)
+    requested = capsys.readouterr().out.splitlines()
+    assert len(requested) == 2
+    assert f"grip 1e-04 estimated, {found:.0e} a posteriori, tolerance 0.001" in requested[1]
+    console.print_results([dataset], whole=True, errors=False)
     whole = capsys.readouterr().out.splitlines()
     assert whole[1:-1] == [f"  {line}" for line in lines]
     assert ("not kept" in whole[-1]) is not kept

@@ -206,13 +206,23 @@ def print_answer(answer: Answer, *, max_lines: int = MAX_LINES, whole: bool = Fa
         terminal().print(text, soft_wrap=True)
 
 
-def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> None:
-    """Print the findings of each study with errors and times, or only the errors of studies above their tolerance."""
+def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool, errors: bool) -> None:
+    """Print the errors and the time of each study: of all studies, or of those above their tolerance.
+
+    Parameters
+    ----------
+    datasets : iterable of xarray.Dataset
+        Results of the studies.
+    whole : bool
+        Whether to print findings, errors and time of all studies.
+    errors : bool
+        Whether to print errors and time of all studies.
+    """
     for dataset in datasets:
         lines = [f"{dataset.attrs['study']}:"]
         if whole:
             lines += [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)]
-        if whole or missed_errors(dataset):
+        if whole or errors or missed_errors(dataset):
             click.echo("\n  ".join((*lines, accuracy_and_time(dataset))))
 
 
@@ -237,7 +247,7 @@ def accuracy_and_time(dataset: "xr.Dataset") -> str:
             for which, word in (("estimated", "estimated"), ("found", row["how"]))
             if row[which] is not None
         ]
-        texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
+        texts.append(f"{name} {', '.join(errors) or 'unknown'}, tolerance {row['tolerance']:g}")
         if row["result"] in missed:
             texts[-1] += ", not kept"
     cost = json.loads(dataset.attrs["cost"])

@@ -231,7 +231,7 @@ def run(
     if "interrupted" not in outcomes:
         shutil.rmtree(checkpoints, ignore_errors=True)
     verdict = _print_answer(
-        planned, datasets, failures, results, shlex.join(arguments), ignored, verbose, whole
+        planned, datasets, failures, results, shlex.join(arguments), ignored, verbose, whole, verify
     )
     _exit_unless_finished(outcomes, failures, hint)
     if any(is_as_bad(verdict, requested) for requested in failing):
@@ -291,6 +291,7 @@ def _print_answer(
     ignored: Sequence[str],
     verbose: bool,
     whole: bool,
+    verify: bool,
 ) -> str:
     """Print the answer of a run and, if requested, its details; return the verdict in small letters."""
     import attrs
@@ -318,7 +319,7 @@ def _print_answer(
                 f"\n  {note.code} {note.text}; {note.consequence}" for note in found.notes
             )
             click.echo(f"confidence: {confidence(datasets.values())}\nnotes:{notes or ' none'}")
-        console.print_results(datasets.values(), whole=verbose)
+        console.print_results(datasets.values(), whole=verbose, errors=verify)
         results.print_summary(*datasets.values())
     return found.verdict.lower()
 
