@@ -227,6 +227,8 @@ def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
             2,
             "operation.temperature: iso-vg-68 at 300 degC: its data hold from",
         ),
+        (["--temperature", "300 degC"], 2, "my.toml (not written):"),
+        (["--bearing", "NU 9999"], 2, "state its rollers and raceways in [bearing]"),
         (["--cage", "wood"], 2, "cage: there are cages of brass, steel, polyamide"),
     ],
 )

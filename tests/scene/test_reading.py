@@ -434,7 +434,10 @@ def test_a_file_that_cannot_be_read_is_a_scene_error(tmp_path: Path) -> None:
             (tmp_path / f"none{ending}", "is not a scene but ")
             for ending in (".nc", ".CSV", ".json", ".rexs", ".zip")
         ),
-        (tmp_path / "none.toml", f"{tmp_path / 'none.toml'}: there is no such file"),
+        (
+            tmp_path / "none.toml",
+            f"{tmp_path / 'none.toml'}: there is no such file; 'rollslip new FILE.toml' writes one",
+        ),
         (str(latin / "x.toml"), "cannot be read: "),
         ("nul\0.toml", "cannot be read: "),
         ("x" * 5000 + ".toml", "cannot be read: "),

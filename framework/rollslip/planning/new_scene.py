@@ -282,7 +282,7 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     )
     if not values["make"]:  # a full complement
         text = _CAGE_TABLE.sub(_NO_CAGE, text)
-    assemble(parse_scene(text, source)).load_distribution()
+    assemble(parse_scene(text, f"{source} (not written)")).load_distribution()
     return text
 
 

@@ -76,7 +76,9 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     try:
         content = content_of(path)
     except FileNotFoundError:
-        raise SceneError([f"{source}: there is no such file"]) from None
+        raise SceneError(
+            [f"{source}: there is no such file; 'rollslip new FILE.toml' writes one"]
+        ) from None
     except IsADirectoryError:
         raise SceneError([f"{source}: is a directory; a scene is a .toml file"]) from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path

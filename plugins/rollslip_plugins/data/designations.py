@@ -226,5 +226,8 @@ def other_bearing(written: str) -> str | None:
         what = "taper roller bearing"  # cone and cup of inch sizes, 15101/15245
     what = what or next((what for start, what in _LETTERED if start.match(solid)), None)
     if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", solid):
-        what = "cylindrical roller bearing of a size or a series that is not in the catalogue"
+        what = (
+            "cylindrical roller bearing of a size or a series that is not in the catalogue: state its rollers and "
+            "raceways in [bearing] in place of its name"
+        )
     return what and f"a{'n' * (what[0] in 'aeiou')} {what}"
