@@ -140,8 +140,7 @@ class Family:
             for choice in self.choices_of(name, *_KINDS):
                 ratio = choice.resolution.slices * (choice.resolution.n_positions or 1) / size
                 turn = once * (1.0 - _PROPORTIONAL_TIME + _PROPORTIONAL_TIME * ratio)
-                is_reference = choice.kind == "reference"
-                seconds += turn if is_reference else self.rounds * max(turn, MIN_TURN)
+                seconds += turn if choice.kind == "reference" else self.rounds * max(turn, MIN_TURN)
         return [
             *self.messages[1:],
             f"this takes {duration_range(seconds)} of the processor; --rounds, --study and --choices shorten it, "
@@ -157,13 +156,13 @@ class Family:
         for study in self.studies:
             counts = {kind: len(self.choices_of(study, kind)) for kind in _KINDS}
             reference = self.choices_of(study, "reference")[0].resolution
-            n_positions = ""
-            if (reference.n_positions or 1) > 1:
-                n_positions = f" and {reference.n_positions} roller positions"
+            n_positions = reference.n_positions or 1
             lines.append(
                 f"{study}: {counts['numerical']} numerical and {counts['modelling']} modelling choices and "
                 f"{counts['film']} films, {format_count(self.rounds, 'round')} each, against "
-                f"{counts['reference']} references, the finest with {reference.slices} slices{n_positions}"
+                f"{counts['reference']} references, the finest with {reference.slices} slices"
+                + f" and {n_positions} roller positions"
+                * (n_positions > 1)
             )
         return [*lines, *self.notes]
 
