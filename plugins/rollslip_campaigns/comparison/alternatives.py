@@ -91,15 +91,12 @@ class Alternatives:
         Changed scenes by label.
     refused : mapping
         Reasons why other combinations cannot run, by label.
-    messages : tuple of str
-        Lines that are printed before the runs.
     """
 
     scene: Scene
     keys: tuple[str, ...]
     scenes: Mapping[str, Scene]
     refused: Mapping[str, str]
-    messages: tuple[str, ...] = ()
 
     @property
     def unusual(self) -> list[str]:
