@@ -95,26 +95,27 @@ def run_family(family: Family, folder: Path, show: "ProgressReporter") -> "xr.Da
     with StoredValues(folder, _digest(family)) as stored:
         records = [Record(**stored.values.get(k, {})) for k in range(len(family.choices))]
         resumed = bool(stored.values)
-        # load what is imported at first use before anything is timed
+        # load what is imported at first use before anything is timed; without a better one this time is that of a turn
+        first = dict[str, float]()
         for study in family.studies:
+            turn_start = time.perf_counter()
             _take_turn(family, family.choices_of(study, "numerical")[0], Record())
+            first[study] = time.perf_counter() - turn_start
         timed = [k for k, choice in enumerate(family.choices) if choice.kind != "reference"]
         turns = [(k, 0) for k in range(len(family.choices)) if k not in timed]
         turns += [(k, n) for n in range(family.rounds) for k in timed]
-        last: dict[int, float] = {}
+        last = {k: first[choice.study] for k, choice in enumerate(family.choices)}
         for done, (k, n) in enumerate(turns):
             choice = family.choices[k]
             record = records[k]
             if len(record.seconds) > n or record.status not in ("", "done"):
                 continue
-            # each turn takes as long as the last one of the same choice, or as the mean of the others
-            mean = sum(last.values()) / len(last) if last else np.nan
-            time_left = sum(last.get(j, mean) for j, _ in turns[done:])
+            # each turn takes as long as the last one of the same choice
+            time_left = sum(last[j] for j, _ in turns[done:])
             show(f"{choice.study}: {choice.label}", done / len(turns), time_left)
             turn_start = time.perf_counter()
             _take_turn(family, choice, record)
-            if k in timed:  # the time of a reference does not estimate that of other choices
-                last[k] = time.perf_counter() - turn_start
+            last[k] = time.perf_counter() - turn_start
             stored.store(k, attrs.asdict(record))
         return _dataset(family, records, time.perf_counter() - start, resumed)
 
