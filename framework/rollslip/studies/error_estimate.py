@@ -354,7 +354,8 @@ class Probe:
             is_rival = (curve >= _RIVAL_HEIGHT * curve.max()) & (curve > 0.0)
             is_peak = is_rival & (curve >= padded[:-2]) & (curve > padded[2:])
             for best in map(int, np.flatnonzero(is_peak)):
-                refined, values = self._refine_peak(assembly, grid, k, best)
+                ends = grid[[max(best - 1, 0), min(best + 1, grid.size - 1)]]
+                refined, values = self._refined(assembly, k, *ends)
                 top = max(int(np.argmax(values)), 1)  # the first has no slip before it
                 if top == refined.size - 1:
                     continue  # it rises up to the higher neighbour, or to the end of the range
@@ -367,19 +368,15 @@ class Probe:
         #: Of each maximum its curve, the index of the first of its three slips, and their step, (3, peaks).
         self._peaks = np.array(peaks).reshape(-1, 3).T
 
-    def _refine_peak(
-        self, assembly: Assembly, grid: Array, curve: int, best: int
-    ) -> tuple[Array, Array]:
-        """Return slips around a maximum of the grid, and a curve there at one roller position.
+    def _refined(self, at: Assembly, curve: int, low: float, high: float) -> tuple[Array, Array]:
+        """Return slips around a maximum between two of the grid, and a curve there at one roller position.
 
-        They are those between both neighbours of the grid, and the higher neighbour. As long as the first of them is
-        the best, as of a curve that rises steeply from zero, the interval ends at the second.
+        As long as the first of them is the best, as of a curve that rises steeply from zero, the interval ends at the
+        second. The higher neighbour of the grid is among them otherwise.
         """
-        low = grid[max(best - 1, 0)]
-        high = grid[min(best + 1, grid.size - 1)]
         for _ in range(_MAX_PEAK_INTERVALS):
             refined = np.linspace(low, high, _REFINED_SLIPS + 2)[1:]
-            values = self._study.curves(assembly, refined, (1,))[0][curve]
+            values = self._study.curves(at, refined, (1,))[0][curve]
             if np.argmax(values) > 0:
                 break
             high = refined[1]
