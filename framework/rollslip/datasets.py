@@ -3,6 +3,7 @@
 import abc
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
 import attrs
@@ -82,6 +83,15 @@ class Material:
     )
 
 
+#: Other name of the shape of a profile -> its name.
+PROFILES: Final = MappingProxyType(
+    {
+        **dict.fromkeys(("logarithmic", "log", "iso/ts 16281", "iso 16281"), "iso16281"),
+        **dict.fromkeys(("straight", "cylindrical", "no"), "none"),
+    }
+)
+
+
 @attrs.frozen(kw_only=True)
 class Profile:
     """Profile of a roller: the drop of its radius towards the ends."""
@@ -90,6 +100,7 @@ class Profile:
         default="none",
         doc="straight, logarithmic after ISO/TS 16281, a circular crown or the user's own table",
         validator=choice_of("none", "iso16281", "circular", "table"),
+        keywords=PROFILES,
         bare=True,
     )
     radius: float | None = field(

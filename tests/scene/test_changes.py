@@ -298,3 +298,10 @@ def test_parameters_of_several_models_can_be_swept() -> None:
     assert known["models.torque.constant-coefficient.coefficient"].unit == "1"
     assert known["models.torque.skf.drag"].value == "later"
     assert "models.damage.film-parameter.allowed" in known
+
+
+@pytest.mark.parametrize(("word", "shape"), [("logarithmic", "iso16281"), ("straight", "none")])
+def test_a_profile_is_taken_by_the_name_that_answers_have_for_it(word, shape):
+    scene = load_scene("gearbox")
+    assert evolve(scene, {"bearing.profile": word}).bearing.profile.shape == shape
+    assert evolve(scene, {"bearing.profile.shape": word}).bearing.profile.shape == shape

@@ -15,7 +15,7 @@ from typing import Any, Final
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import CAGE_DESIGNS, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
-from rollslip.datasets import Bearing
+from rollslip.datasets import PROFILES, Bearing
 from rollslip.errors import RollslipError, SceneError
 from rollslip.scene.clearance import usual_fit
 from rollslip.scene.reading import parse_scene
@@ -65,11 +65,6 @@ _SUPPLIES: Final = {
     **dict.fromkeys(("oil jet", "injection", "spray"), "jet"),
     **dict.fromkeys(("oil mist", "oil-air", "oil air", "drip"), "mist"),
 }
-#: Other name of the shape of a profile -> its name.
-_PROFILES: Final = {
-    **dict.fromkeys(("logarithmic", "log", "iso/ts 16281", "iso 16281"), "iso16281"),
-    **dict.fromkeys(("straight", "cylindrical", "no"), "none"),
-}
 #: The table of the cage in the template.
 _CAGE_TABLE: Final = re.compile(r"\[cage\]\n.*?(?=# What drags)", re.DOTALL)
 #: The table in its place for a full complement bearing.
@@ -83,7 +78,7 @@ _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
 _CHOICES: Final[Mapping[str, tuple[Mapping[str, str], Collection[str], str]]] = {
     "cage": (_CAGES, CAGE_DESIGNS, "cages of"),
     "supply": (_SUPPLIES, SUPPLIES, "supplies by"),
-    "profile": (_PROFILES, ("iso16281", "none"), "profiles called"),
+    "profile": (PROFILES, ("iso16281", "none"), "profiles called"),
 }
 #: Option that is a name of data -> the kind of plugin.
 _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
