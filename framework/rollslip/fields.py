@@ -73,8 +73,8 @@ def refuse_if(condition: object, field: str, reason: str) -> None:
 class Scatter:
     """Uncertainty of a datum of an oil or a bearing, or of the default of a field, with its source."""
 
-    #: Key in the table ``[lubricant]`` or ``[bearing]`` of a scene; empty where a field declares its own uncertainty:
-    #: ``parameter(..., scatter=Scatter(...))``.
+    #: Key in the table ``[lubricant]`` or ``[bearing]`` of a scene, or "LAW.PARAMETER" of a constant of an oil; empty
+    #: where a field declares its own uncertainty: ``parameter(..., scatter=Scatter(...))``.
     quantity: str = ""
     #: Name of the distribution, as in the table ``[uncertainty]`` of a scene.
     distribution: str

@@ -6,12 +6,15 @@ closed form of the quantiles of a layer of oil.
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 from scipy.stats import norm
 
-from rollslip import evolve
+from registrations import registrations_rolled_back
+from rollslip import evolve, get_model, load_scene, register
 from rollslip.bearing.assembly import assemble
+from rollslip.fields import Scatter
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
@@ -125,3 +128,41 @@ def test_the_band_of_a_run_knows_the_layer_of_oil():
     band = bands(one, slip(one))["steady_slip"]
     assert band.dominant == KEY
     assert band.low < 1.0 < band.high
+
+
+@pytest.mark.parametrize(
+    ("traction", "key"),
+    [
+        ("carreau", "models.traction.critical_stress"),
+        (
+            {"model": "lambda-blend", "hydrodynamic": "carreau"},
+            "models.traction.hydrodynamic.critical_stress",
+        ),
+        ("kragelsky", None),
+    ],
+)
+def test_a_constant_of_an_oil_scatters_where_its_law_is_used(traction, key):
+    plain = get_model("lubricant", "iso-vg-220")
+    own = Scatter(
+        quantity="carreau.critical_stress",
+        distribution="lognormal",
+        parameters={"scatter": 0.2},
+        grade="(B)",
+        source="five batches on a rig",
+    )
+    models = {"carreau": {"critical_stress": "5 MPa"}}
+    with registrations_rolled_back():
+        register(attrs.evolve(plain, name="mine", synonyms=(), models=models, scatter=(own,)))
+        one = evolve(
+            load_scene("gearbox"), {"lubricant": {"name": "mine"}, "models.traction": traction}
+        )
+        found = {
+            name: (scatter, quantity.value)
+            for name, (scatter, quantity) in scattering(assemble(one)).items()
+            if name.endswith("critical_stress")
+        }
+        assert found == ({} if key is None else {key: (own, 5e6)})
+        if key is not None:
+            low, high = ends(one)[key]
+            assert low < 5e6 < high
+            assert assemble(evolve(one, {key: low}, si=True)).models["traction"] is not None

@@ -305,3 +305,9 @@ def test_a_profile_is_taken_by_the_name_that_answers_have_for_it(word, shape):
     scene = load_scene("gearbox")
     assert evolve(scene, {"bearing.profile": word}).bearing.profile.shape == shape
     assert evolve(scene, {"bearing.profile.shape": word}).bearing.profile.shape == shape
+
+
+def test_a_parameter_of_a_model_within_a_model_is_set_where_that_has_a_bare_name():
+    scene = evolve(load_scene("gearbox"), {"models.traction.hydrodynamic.flash": 0.9})
+    within = scene.models.traction.parameters["hydrodynamic"]
+    assert dict(within) == {"model": "maxwell-eyring-local", "flash": 0.9}

@@ -299,7 +299,9 @@ def _opened_table(
     value: object, kind: Any, attribute: "attrs.Attribute[Any] | None", key: str
 ) -> dict[str, Any]:
     """Return the table that a bare name, or a missing value with the default of its field, stands for."""
-    bare = bare_key(kind) if attrs.has(kind) else None
+    # parameters of a model are read later, with its own class; among them a name is that of a model within it
+    table = ModelChoice if kind is None and _names_a_model(value) else kind
+    bare = bare_key(table) if attrs.has(table) else None
     if isinstance(value, str) and bare is not None:
         return {bare: value}
     if value is not None:

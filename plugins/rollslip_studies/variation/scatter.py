@@ -8,7 +8,7 @@
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import attrs
 
@@ -39,7 +39,9 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
     stated = stated_values(scene)
     known = quantities(assembly, {})
     oil = assembly.lubricant
-    offered = {f"lubricant.{scatter.quantity}": scatter for scatter in oil.scatter}
+    offered = {
+        key: scatter for scatter in oil.scatter for key in _keys_of_oil(scatter.quantity, known)
+    }
     if not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature)):
         # the law has constants of its own
         offered.pop("lubricant.pressure_viscosity_factor", None)
@@ -62,6 +64,17 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
         and not _is_fraction_of_zero(scatter, known[key])
         and not _is_certain(stated, key, scatter)
     }
+
+
+def _keys_of_oil(quantity: str, known: Mapping[str, Quantity]) -> Iterator[str]:
+    """Yield the keys of a datum of an oil: one of its table, or a constant "LAW.PARAMETER" wherever the law is used."""
+    law, _, name = quantity.rpartition(".")
+    if not law:
+        yield f"lubricant.{name}"
+        return
+    for key, chosen in known.items():
+        if key.startswith("models.") and chosen.value == law:
+            yield f"{key}.{name}"
 
 
 def _is_certain(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
