@@ -1,6 +1,7 @@
 """Tables of load cases: read with all faults, computed as single runs are, and summed over time."""
 
 import json
+import math
 
 import numpy as np
 import pandas
@@ -13,10 +14,18 @@ from rollslip.cli.main import cli
 from rollslip.errors import SceneError, UnknownNameError
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.table import sheet
+from rollslip.results.text import format_hours
+from rollslip.studies.rating_life.largest_load import basic_life
+from rollslip.studies.rating_life.model import dynamic_rating
 from rollslip_campaigns.cases import CaseSettings
 from rollslip_campaigns.cases.cases import plan_cases
 from rollslip_campaigns.cases.figures import draw_cases
-from rollslip_campaigns.cases.findings import mean_over_time, time_by_verdict, worst_first
+from rollslip_campaigns.cases.findings import (
+    life_of_spectrum,
+    mean_over_time,
+    time_by_verdict,
+    worst_first,
+)
 from scattered import SCATTERED
 
 HEAD = "radial_load [kN], operation.inner_speed [rpm], share [%]"
@@ -63,6 +72,25 @@ def test_the_time_is_that_of_the_table(found):
     torque = found["friction_torque"].to_numpy()
     expected = 0.2 * torque[0] + 0.3 * torque[1] + 0.5 * torque[2]
     assert mean_over_time(found, "friction_torque") == pytest.approx(expected, rel=1e-12)
+
+
+def test_lives_of_the_cases_add_up_as_parts_of_the_damage(found):
+    """By ISO 281, (C/F_r)^(10/3) million revolutions, of which each case uses its part of the time."""
+    rating, _ = dynamic_rating(SCATTERED.bearing)
+    rpm = np.array([6000.0, 3000.0, 3000.0])
+    load = np.array([5e3, 1e4, 2e4])
+    hours = 1e6 * (rating / load) ** (10.0 / 3.0) / (60.0 * rpm)
+    np.testing.assert_allclose(found["life"], 3600.0 * hours, rtol=1e-12)
+    damage = np.array([0.2, 0.3, 0.5]) / hours
+    assert life_of_spectrum(found) == pytest.approx(3600.0 / damage.sum(), rel=1e-12)
+    assert f"rating life {format_hours(3600.0 / damage.sum())} by ISO 281" in str(answer(found))
+
+
+def test_a_case_without_load_has_no_end_of_life_and_no_part_in_the_damage(found):
+    idle = found.assign(life=("case", [np.inf, 3.6e6, 3.6e6]))
+    assert life_of_spectrum(idle) == pytest.approx(3.6e6 / 0.8)
+    still = rollslip.evolve(SCATTERED, {"operation.radial_load": 0.0}, si=True)
+    assert basic_life(still) == math.inf
 
 
 def test_a_case_without_a_value_does_not_count_in_a_mean(found):

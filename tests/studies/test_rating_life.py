@@ -11,11 +11,11 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError
 from rollslip.results.accounts import account_of
+from rollslip.results.text import format_hours
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.rating_life.largest_load import HOURS, STATIC_SAFETY, largest_load
 from rollslip.studies.rating_life.model import LifeDuty, fatigue_load_limit
-from rollslip_studies.rating_life.findings import format_hours
 from rollslip_studies.rating_life.study import RatingLife
 
 GEARBOX = load_scene("gearbox")
@@ -232,6 +232,7 @@ def test_hours_have_two_digits():
     assert format_hours(3600.0 * 0.123) == "0.12 h"
     assert format_hours(math.nan) == "not found"
     assert format_hours(3600.0 * 1.1e6) == "above 1,000,000 h"
+    assert format_hours(math.inf) == "above 1,000,000 h"
 
 
 def test_a_contamination_factor_that_a_scene_states_is_not_assumed():

@@ -44,6 +44,7 @@ __all__ = [
     "force_unit",
     "format_count",
     "format_force",
+    "format_hours",
     "format_plain",
     "format_power",
     "format_rounded_up",
@@ -61,6 +62,9 @@ __all__ = [
     "with_unit",
     "worst_messages",
 ]  # fmt: skip
+
+#: Hours above which a life is printed without a number. Chosen: a century, in which other causes end a bearing.
+_MAX_HOURS: Final = 1_000_000
 
 
 class Status(enum.StrEnum):
@@ -476,6 +480,22 @@ def duration_range(seconds: float) -> str:
         if high.count(" ") == low.count(" ") == 1
         else f"{low} to {high}"
     )
+
+
+def format_hours(seconds: float) -> str:
+    """Return a time in hours with two digits and a comma between thousands: "34,000 h".
+
+    Examples
+    --------
+    >>> format_hours(3600.0 * 34210.0)
+    '34,000 h'
+    """
+    if math.isnan(seconds):
+        return "not found"
+    if seconds > 3600.0 * _MAX_HOURS:
+        return f"above {_MAX_HOURS:,} h"
+    whole, point, rest = two_digits(seconds / 3600.0).partition(".")
+    return f"{int(whole):,}{point}{rest} h"
 
 
 def format_slip_band(low: float, high: float) -> str:

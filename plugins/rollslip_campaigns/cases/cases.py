@@ -14,7 +14,9 @@ import numpy as np
 from rollslip.planning.progress import ProgressReporter
 from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
+from rollslip.scene.changes import evolve
 from rollslip.studies.outputs import named_outputs
+from rollslip.studies.rating_life.largest_load import basic_life
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.cases import CaseSettings
 from rollslip_campaigns.cases.table import CaseTable, read_cases
@@ -143,6 +145,11 @@ def _result(made: CasePlan, computed: "xr.Dataset") -> "xr.Dataset":
     if "loss" in found and found.sizes["steady"]:
         heat = found["loss"].isel(steady=0).sum("source", skipna=False)
         variables["heat"] = heat.assign_attrs(about("W", "friction heat of the bearing"))
+    lives = [
+        basic_life(evolve(made.sweep.scene, made.sweep.design.changes(k), si=True))
+        for k in range(found.sizes["case"])
+    ]
+    variables["life"] = "case", lives, about("s", "basic rating life by ISO 281")
     variables |= {name: found[name] for name in POINT_VARIABLES}
     fractions = ("case", made.table.fractions, about("1", "part of the time that a case takes"))
     dataset = xr.Dataset(variables, attrs=found.attrs | {"study": "cases"}).drop_vars(

@@ -11,11 +11,11 @@ from rollslip.results.answer import Answer, Verdict, is_as_bad
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
 from rollslip.results.table import point_rows
-from rollslip.results.text import percent
+from rollslip.results.text import format_hours, percent
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import answer_table, point_table
 
-__all__ = ["CasesAccount", "mean_over_time", "time_by_verdict", "worst_first"]
+__all__ = ["CasesAccount", "life_of_spectrum", "mean_over_time", "time_by_verdict", "worst_first"]
 
 #: Cases in an answer, the worst ones. Chosen: with rows, notes and next step they fill 15 lines.
 _SHOWN: Final = 5
@@ -41,7 +41,12 @@ class CasesAccount(Account):
         faults = (f"{missing} of {sum(counts.values())} cases have no result",) * bool(missing)
         return Answer(
             summary="; ".join(
-                [_describe_time(dataset), _describe_worst(dataset), *_means(dataset)]
+                [
+                    _describe_time(dataset),
+                    _describe_worst(dataset),
+                    *_means(dataset),
+                    f"rating life {format_hours(life_of_spectrum(dataset))} by ISO 281",
+                ]
             ),
             faults=faults,
             assumed=("verdicts are by the values alone, without bands: a run of a case has them",),
@@ -57,6 +62,7 @@ class CasesAccount(Account):
             "time": [_describe_time(dataset)],
             "worst case": [_describe_worst(dataset)],
             "means": _means(dataset),
+            "rating life": [f"{format_hours(life_of_spectrum(dataset))} by ISO 281"],
         }
 
     @staticmethod
@@ -67,6 +73,7 @@ class CasesAccount(Account):
             "time_by_verdict": time_by_verdict(dataset),
             "worst_case": int(dataset["case"][worst_first(dataset)[0]]),
             "means": {name: or_none(mean_over_time(dataset, name)) for name in _AVERAGED},
+            "life": or_none(life_of_spectrum(dataset)),
         }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
@@ -99,6 +106,12 @@ def mean_over_time(dataset: "xr.Dataset", name: str) -> float:
     values = dataset[name].to_numpy() if name in dataset else np.empty(0)
     weights = dataset["time_fraction"].to_numpy()[np.isfinite(values)] if values.size else values
     return float(values[np.isfinite(values)] @ weights / weights.sum()) if weights.sum() else np.nan
+
+
+def life_of_spectrum(dataset: "xr.Dataset") -> float:
+    """Return the life in which all cases together use up the bearing [s]: parts of the damage add up (Miner)."""
+    with np.errstate(divide="ignore"):
+        return float(1.0 / np.sum(dataset["time_fraction"] / dataset["life"]))
 
 
 def _describe_time(dataset: "xr.Dataset") -> str:

@@ -9,35 +9,16 @@ from rollslip.results.account import Account
 from rollslip.results.answer import Answer, Row
 from rollslip.results.curves import json_value
 from rollslip.results.dataset import xr
-from rollslip.results.text import percent, two_digits
+from rollslip.results.text import format_hours, percent, two_digits
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.findings import RUN_STEADY_SLIP
 
-__all__ = ["RatingLifeAccount", "format_hours", "split_models"]
-
-#: Hours above which a life is printed without a number. Chosen: a century, in which other causes end a bearing.
-_MAX_HOURS: Final = 1_000_000
+__all__ = ["RatingLifeAccount", "split_models"]
 
 
 def split_models(dataset: "xr.Dataset") -> "list[xr.Dataset]":
     """Return a dataset for each model."""
     return [dataset.isel(life_model=k) for k in range(dataset.sizes["life_model"])]
-
-
-def format_hours(seconds: float) -> str:
-    """Return a time in hours with two digits and a comma between thousands: "34,000 h".
-
-    Examples
-    --------
-    >>> format_hours(3600.0 * 34210.0)
-    '34,000 h'
-    """
-    if not math.isfinite(seconds):
-        return "not found"
-    if seconds > 3600.0 * _MAX_HOURS:
-        return f"above {_MAX_HOURS:,} h"
-    whole, point, rest = two_digits(seconds / 3600.0).partition(".")
-    return f"{int(whole):,}{point}{rest} h"
 
 
 def _rows_of_model(life: "xr.Dataset") -> list[Row]:

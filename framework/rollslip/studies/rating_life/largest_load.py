@@ -1,4 +1,4 @@
-"""Largest load of a bearing by the basic rating life of ISO 281 and by its static rating, in closed form."""
+"""Basic rating life of ISO 281 and the largest load by it and by the static rating, in closed form."""
 
 import math
 from typing import TYPE_CHECKING, Final
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
-__all__ = ["HOURS", "STATIC_SAFETY", "largest_load"]
+__all__ = ["HOURS", "STATIC_SAFETY", "basic_life", "largest_load"]
 
 #: Life that is required by default [h]. SKF's guideline has 20,000 to 30,000 h for machines that run eight hours a day
 #: (C).
@@ -16,6 +16,27 @@ HOURS: Final = 20_000.0
 STATIC_SAFETY: Final = 1.5
 #: Inverse of the exponent of the life in the load (ISO 281).
 _LOAD_EXPONENT: Final = 0.3
+
+
+def basic_life(scene: "Scene") -> float:
+    """Return the time that nine of ten bearings reach [s], (C/F_r)^(10/3) million revolutions.
+
+    It is infinite without load, and at rest.
+
+    Parameters
+    ----------
+    scene : Scene
+        Bearing, load and speeds.
+    """
+    from rollslip.studies.rating_life.model import REVOLUTIONS, dynamic_rating
+
+    load = scene.operation.radial_load
+    speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
+    if load == 0.0 or speed == 0.0:
+        return math.inf
+    rating, _ = dynamic_rating(scene.bearing)
+    revolutions = REVOLUTIONS * (rating / load) ** (1.0 / _LOAD_EXPONENT)
+    return float(2.0 * math.pi * revolutions / speed)
 
 
 def largest_load(scene: "Scene") -> dict[str, float | str]:
