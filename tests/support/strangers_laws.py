@@ -168,6 +168,8 @@ class LoadSharing(TractionModel):
     outputs = MappingProxyType(
         {"asperity_fraction": ("1", "share of the load that asperities carry")}
     )
+    # each of the two laws may have a maximum of its own
+    shapes = MappingProxyType({"cold": "any", "heated": "any"})
     hardness: float = of_surfaces()
     boundary: TractionModel = submodel(
         "traction", default="kragelsky", doc="friction of asperities"

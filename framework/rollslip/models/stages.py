@@ -243,9 +243,8 @@ class TractionModel(SliceModel):
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        reads = vars(cls).get("reads")
         if (
-            isinstance(reads, frozenset)
+            isinstance(reads := getattr(cls, "reads", None), frozenset)
             and "film_viscosity" in reads
             and cls.viscosity_at == "mean"
             and isinstance(cls.validity, tuple)

@@ -354,32 +354,33 @@ class Probe:
             is_rival = (curve >= _RIVAL_HEIGHT * curve.max()) & (curve > 0.0)
             is_peak = is_rival & (curve >= padded[:-2]) & (curve > padded[2:])
             for best in map(int, np.flatnonzero(is_peak)):
-                ends = grid[[max(best - 1, 0), min(best + 1, grid.size - 1)]]
-                refined, values = self._refined(assembly, k, *ends)
+                refined, values = self._refined(
+                    assembly, k, *np.take(grid, [best - 1, best + 1], mode="clip")
+                )
                 top = max(int(np.argmax(values)), 1)  # the first has no slip before it
-                if top == refined.size - 1:
-                    continue  # it rises up to the higher neighbour, or to the end of the range
-                around = slice(top - 1, top + 2)
-                if any(math.isclose(value, values[top]) for value in values[[top - 1, top + 1]]):
-                    continue  # level to nine digits, by rounding: no vertex
+                # it rises up to the higher neighbour, or is level to nine digits, by rounding: no vertex
+                if top == refined.size - 1 or any(
+                    math.isclose(value, values[top]) for value in values[[top - 1, top + 1]]
+                ):
+                    continue
                 peaks.append((k, len(slips), refined[1] - refined[0]))
-                slips += [*refined[around]]
+                slips += [*refined[top - 1 : top + 2]]
         self._slip = np.array(slips)
         #: Of each maximum its curve, the index of the first of its three slips, and their step, (3, peaks).
         self._peaks = np.array(peaks).reshape(-1, 3).T
 
-    def _refined(self, at: Assembly, curve: int, low: float, high: float) -> tuple[Array, Array]:
+    def _refined(
+        self, at: Assembly, curve: int, low: float, high: float, depth: int = 1
+    ) -> tuple[Array, Array]:
         """Return slips around a maximum between two of the grid, and a curve there at one roller position.
 
         As long as the first of them is the best, as of a curve that rises steeply from zero, the interval ends at the
         second. The higher neighbour of the grid is among them otherwise.
         """
-        for _ in range(_MAX_PEAK_INTERVALS):
-            refined = np.linspace(low, high, _REFINED_SLIPS + 2)[1:]
-            values = self._study.curves(at, refined, (1,))[0][curve]
-            if np.argmax(values) > 0:
-                break
-            high = refined[1]
+        refined = np.linspace(low, high, _REFINED_SLIPS + 2)[1:]
+        values = self._study.curves(at, refined, (1,))[0][curve]
+        if np.argmax(values) == 0 and depth < _MAX_PEAK_INTERVALS:
+            return self._refined(at, curve, low, refined[1], depth + 1)
         return refined, values
 
     def sample(
@@ -401,11 +402,8 @@ class Probe:
         list of Sample
             Curves (curves, n) and slips of the maxima (peaks,) for each number; NaN for a maximum that lies elsewhere.
         """
-        slips = np.concatenate((self._slip, np.multiply(small_slips, self._study.slip_range)))
-        return [
-            (curves, self._maxima(curves))
-            for curves in self._study.curves(assembly, slips, n_positions)
-        ]
+        slips = np.append(self._slip, np.multiply(small_slips, self._study.slip_range))
+        return [(c, self._maxima(c)) for c in self._study.curves(assembly, slips, n_positions)]
 
     def _maxima(self, curves: Array) -> Array:
         """Return the slips of the maxima by a parabola each, NaN where its vertex is not among the slips around it."""

@@ -40,15 +40,16 @@ from rollslip_kernels.slices import COLUMNS
 #: Rounding error of a sum of heat flows, relative to the largest of them [1]. Doubling it accepts the same models: a
 #: missing flow is larger by orders of magnitude. Chosen far above the rounding of a sum of a few terms.
 _ROUNDING = 1e-10
-#: f_0 and f_1 of Palmgren's torque [1]: those of a bath and series 2 in ISO 15312.
+#: f_0 of Palmgren's torque [1]: that of a bath and series 2 in ISO 15312.
 _F0 = 2.0
+#: f_1 of Palmgren's torque [1], of the same series.
 _F1 = 3e-4
 #: Factor by which a torque may differ from Palmgren's. Formulas in use differ by up to 4; a wrong unit by 9 or more,
 #: in powers. Doubling it accepts a torque in N mm of small bearings.
 _SIZE = 50.0
-#: Radial load over the square of the bore [Pa], a tenth of usual ratings, and pitch diameter times speed [m/s], of
-#: usual bearings at work. Chosen.
+#: Radial load over the square of the bore [Pa]: a tenth of usual ratings. Chosen.
 _USUAL_PRESSURE = 4e6
+#: Pitch diameter times speed [m/s] of usual bearings at work. Chosen.
 _USUAL_SPEED = 10.0
 #: Number of random inputs per rule. Doubling it doubles the time of the checks and finds rarer faults. Chosen.
 _DRAWN = 25

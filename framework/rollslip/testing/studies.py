@@ -59,6 +59,8 @@ tolerance = 0.05
 _COARSE: Final = Resolution(
     slices=5, n_positions=2, table_tolerance=0.05, integrator_tolerance=1e-4
 )
+#: Variables of campaigns that no two runs have in common: the time of a point.
+_TIMES: Final = {"seconds"}
 _TOLERANCES: Final = ("friction", "critical_slip", "cage_speed")
 
 
@@ -384,7 +386,7 @@ def check_a_campaign_gives_the_same_bits_twice(campaign: type[Campaign]) -> None
     if not isinstance(first, xr.Dataset):
         raise Inapplicable("its result is no dataset")
     refuse_unless(len(first.data_vars), "its result has no variables")
-    for name in map(str, first.data_vars):
+    for name in first.data_vars.keys() - _TIMES:
         refuse_unless(
             name in second and not _differs(first[name], second[name]),
             f"{name} is another at the second run",

@@ -192,7 +192,8 @@ def choose_basis(
     drags = drags[:, grid]
     exact = [scale.forward(values) for scale, values in zip(scales(), outcomes, strict=True)]
     basis = None
-    for count in _COUNTS:
+    # a basis has no more components than samples and slips to find them by, one sample being left out
+    for count in range(_COUNTS.start, min(_COUNTS.stop, len(torques), slips.size)):
         predicted = np.empty_like(torques)
         for k in range(len(torques)):
             others = Basis.of_branches(slips, np.delete(torques, k, axis=0), count)
