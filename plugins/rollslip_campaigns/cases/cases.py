@@ -145,11 +145,11 @@ def _result(made: CasePlan, computed: "xr.Dataset") -> "xr.Dataset":
     if "loss" in found and found.sizes["steady"]:
         heat = found["loss"].isel(steady=0).sum("source", skipna=False)
         variables["heat"] = heat.assign_attrs(about("W", "friction heat of the bearing"))
-    lives = [
+    life_times = [
         basic_life(evolve(made.sweep.scene, made.sweep.design.changes(k), si=True))
         for k in range(found.sizes["case"])
     ]
-    variables["life"] = "case", lives, about("s", "basic rating life by ISO 281")
+    variables["life"] = "case", life_times, about("s", "basic rating life by ISO 281")
     variables |= {name: found[name] for name in POINT_VARIABLES}
     fractions = ("case", made.table.fractions, about("1", "part of the time that a case takes"))
     dataset = xr.Dataset(variables, attrs=found.attrs | {"study": "cases"}).drop_vars(
