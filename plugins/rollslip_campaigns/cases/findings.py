@@ -45,7 +45,7 @@ class CasesAccount(Account):
                     _describe_time(dataset),
                     _describe_worst(dataset),
                     *_means(dataset),
-                    f"rating life {format_hours(life_of_spectrum(dataset))} by ISO 281",
+                    *_describe_life(dataset),
                 ]
             ),
             faults=faults,
@@ -62,8 +62,7 @@ class CasesAccount(Account):
             "time": [_describe_time(dataset)],
             "worst case": [_describe_worst(dataset)],
             "means": _means(dataset),
-            "rating life": [f"{format_hours(life_of_spectrum(dataset))} by ISO 281"],
-        }
+        } | {"rating life": lines for lines in [_describe_life(dataset)] if lines}
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
@@ -109,9 +108,20 @@ def mean_over_time(dataset: "xr.Dataset", name: str) -> float:
 
 
 def life_of_spectrum(dataset: "xr.Dataset") -> float:
-    """Return the life in which all cases together use up the bearing [s]: parts of the damage add up (Miner)."""
+    """Return the life in which all cases together use up the bearing [s]: parts of the damage add up (Miner).
+
+    It is NaN for an older result, which has no lives of the cases.
+    """
+    if "life" not in dataset:
+        return np.nan
     with np.errstate(divide="ignore"):
         return float(1.0 / np.sum(dataset["time_fraction"] / dataset["life"]))
+
+
+def _describe_life(dataset: "xr.Dataset") -> list[str]:
+    """Return the life of the spectrum in words; nothing for an older result."""
+    life = life_of_spectrum(dataset)
+    return [f"rating life {format_hours(life)} by ISO 281"] * (not np.isnan(life))
 
 
 def _describe_time(dataset: "xr.Dataset") -> str:
