@@ -176,7 +176,7 @@ def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
         label="largest load",
         value=largest,
         unit="N",
-        text=format_force(largest, largest),
+        text=format_force(largest, load),
         note=f"{dataset.attrs['largest_load_limit']}{'; exceeded' * (load > largest)}",
     )
 
