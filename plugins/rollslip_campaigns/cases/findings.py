@@ -58,11 +58,13 @@ class CasesAccount(Account):
     @staticmethod
     def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Return sentences by topic: the time by verdict, and means."""
-        return {
+        topics = {
             "time": [_describe_time(dataset)],
             "worst case": [_describe_worst(dataset)],
             "means": _means(dataset),
-        } | {"rating life": lines for lines in [_describe_life(dataset)] if lines}
+            "rating life": _describe_life(dataset),
+        }
+        return {name: lines for name, lines in topics.items() if lines}
 
     @staticmethod
     def record(dataset: "xr.Dataset") -> dict[str, Any]:
