@@ -94,10 +94,18 @@ _SECOND_ORDER_ORBITS: Final = 24
 #: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
 #: chosen, below the discretisation error, because Newton's method refines the result.
 _BALANCE_TOLERANCE: Final = 1e-5
+#: Step of Newton's method, relative to the largest roller slip, at which a periodic motion is accepted, and tolerance
+#: of the balances in marches of second order: the step by which torques are differentiated, since slopes say nothing of
+#: smaller ones. Half the value makes it fail near rounding; twice the value changes torques by less than 2e-7, because
+#: the convergence is quadratic.
+_NEWTON_TOLERANCE: Final = DIFFERENTIATION_STEP
+#: Tolerance of the balance of rollers without inertia, where nothing refines the result: near its rounding, as a step
+#: of Newton's method would leave it. A hundred times the value moves torques by up to 4e-9.
+_BALANCE_WITHOUT_INERTIA: Final = _NEWTON_TOLERANCE**2
 #: What a march of second order would still change, relative to the width of its search, up to which it counts as
-#: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `DIFFERENTIATION_STEP`. Neither half nor twice
-#: the value changes a result of 62 random bearings; chosen, far below the discretisation error.
-_SECOND_ORDER_TOLERANCE: Final = 100.0 * DIFFERENTIATION_STEP
+#: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `_NEWTON_TOLERANCE`. Neither half nor twice the
+#: value changes a result of 62 random bearings; chosen, far below the discretisation error.
+_SECOND_ORDER_TOLERANCE: Final = 100.0 * _NEWTON_TOLERANCE
 #: What a march by implicit Euler would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, at which it
 #: ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to 1e-10; chosen,
 #: below `DISTINCT`.
@@ -539,8 +547,7 @@ class Motions:
             self.slip_scale(slips) * (1.0 - self._inner_ratio) if widths is None else widths,
             starts,
             _EULER_ORBITS,
-            # without inertia nothing refines the result: near its rounding
-            _BALANCE_TOLERANCE if self._inertia_torque else DIFFERENTIATION_STEP**2,
+            _BALANCE_TOLERANCE if self._inertia_torque else _BALANCE_WITHOUT_INERTIA,
             _PERIODIC_TOLERANCE,
         )
         if spins.check(status) == _NO_BALANCE:
@@ -620,7 +627,7 @@ class Motions:
         error = np.zeros(rows.size)
         if self._inertia_torque:
             found, multiplier, torque, is_found, status = spins.kernel.find_periodic_rows(
-                rows, self.positions, inertia, marched, scale, DIFFERENTIATION_STEP
+                rows, self.positions, inertia, marched, scale, _NEWTON_TOLERANCE
             )
             spins.check(status)
             torque = self.sense * self._rollers * torque
@@ -680,8 +687,8 @@ class Motions:
             scale * (1.0 - self._inner_ratio),
             np.repeat(marched[:, :1], 2, axis=1),
             _SECOND_ORDER_ORBITS,
-            DIFFERENTIATION_STEP,
-            DIFFERENTIATION_STEP,
+            _NEWTON_TOLERANCE,
+            _NEWTON_TOLERANCE,
             np.repeat(marched[:, None], 2, axis=1),
         )
         spins.check(status)
