@@ -162,7 +162,8 @@ STAGE(tabulated_deflection, COL_approach, COL_load | COL_stiffness) {
     EACH(i, n) interval[i] = 0;
     for (int64_t half = DEFLECTION_HALF; half > 0; half /= 2)
         EACH(i, n) {
-            int64_t middle = interval[i] + half, next = middle < DEFLECTION_KNOTS - 2 ? middle : DEFLECTION_KNOTS - 2;
+            int64_t middle = interval[i] + half;
+            int64_t next = middle < DEFLECTION_KNOTS - 2 ? middle : DEFLECTION_KNOTS - 2;
             interval[i] = approach[i] < knots[next] ? interval[i] : next;
         }
     EACH(i, n) {

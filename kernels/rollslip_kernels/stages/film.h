@@ -235,7 +235,8 @@ STAGE(inlet_layer, COL_film_thickness, COL_film_thickness) {
     size_t n = WHOLE(s->n);
     EACH(i, n) {
         double thin = film[i] < layer ? film[i] : layer, thick = film[i] < layer ? layer : film[i];
-        double share = thin > LEAST_SHARE * thick ? thin / thick : LEAST_SHARE, whole;
+        double share = thin > LEAST_SHARE * thick ? thin / thick : LEAST_SHARE;
+        double whole;
         double rest = rs_log2_parts(share, &whole);
         double power = rs_log2_plus_one(rs_exp2_falling(exponent * (whole + rest)));
         film[i] = thin * rs_exp2_falling(back * power);
