@@ -206,7 +206,8 @@ def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_cou
 )
 def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
     found = rollslip.limit(bearing, LENGTHS, keep, **CURVE)
-    assert findings.describe_limit(found).startswith(said)
+    text = findings.describe_limit(found)
+    assert text.startswith(said)
     assert found.sizes["edge"] == edges
     told = findings.LimitAccount.record(found)
     assert json.loads(json.dumps(told, allow_nan=False)) == told

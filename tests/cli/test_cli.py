@@ -304,7 +304,8 @@ def test_a_model_that_does_not_exist_gets_the_nearest(tmp_path, change, says):
     ],
 )
 def test_wrong_usage(tmp_path, arguments, says):
-    assert says in command(*arguments, cwd=tmp_path, code=2).stderr
+    done = command(*arguments, cwd=tmp_path, code=2)
+    assert says in done.stderr
 
 
 @pytest.mark.quick

@@ -299,7 +299,8 @@ def test_a_scene_with_a_name_of_the_catalogue_is_planned_and_cites_the_standards
     assert read.bearing.inner_raceway_diameter == pytest.approx(59.5e-3)
     assert read.bearing.radial_clearance == pytest.approx(left, abs=5e-8)
     assert read.surface.roller_roughness == 1e-7
-    assert plan(read).scene is read
+    made = plan(read)
+    assert made.scene is read
 
 
 def test_its_scatter_is_taken_where_the_scene_says_nothing_of_it():

@@ -78,7 +78,8 @@ def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
         cli, [*command, *coarse, *(["--no-plots", "--out", "out"] * writes), "--json"]
     )
     assert done.exit_code == 0, done.output
-    assert list(without_units(json.loads(done.stdout))) == []
+    told = json.loads(done.stdout)
+    assert list(without_units(told)) == []
     if command[0] == "sweep":
         status = json.loads(CliRunner().invoke(cli, ["sweep", "status", "out", "--json"]).stdout)
         assert list(without_units(status)) == []

@@ -448,7 +448,8 @@ def test_a_result_says_what_it_holds_and_can_be_stored(level, tmp_path):
     assert np.all(found.orbit_angle >= 0.0)
     assert np.all(found.orbit_angle < 2.0 * np.pi)
     save(found, tmp_path / "d.nc")
-    assert open_result(tmp_path / "d.nc").identical(found)
+    stored = open_result(tmp_path / "d.nc")
+    assert stored.identical(found)
 
 
 # Settings -----------------------------------------------------------------------------------------------------------

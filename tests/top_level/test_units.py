@@ -394,7 +394,8 @@ def test_long_values_are_cut_in_messages() -> None:
 
 
 def test_errors_survive_a_process_boundary() -> None:
-    assert str(pickle.loads(pickle.dumps(UnitError("a")))) == "a"
+    error = pickle.loads(pickle.dumps(UnitError("a")))
+    assert str(error) == "a"
 
 
 def test_importing_units_is_cheap() -> None:
