@@ -295,6 +295,23 @@ def test_rollers_that_would_drive_the_cage_cross_their_pockets_first(name, chang
     assert found_by_study(balance, slip).slip == pytest.approx(in_time, rel=0.07)
 
 
+#: Small loaded bearings with thin films, whose friction stops a roller within a small part of a step, and the cage slip
+#: of motions in time, as `IN_TIME`.
+SUDDEN_IN_TIME = [
+    (("NU208", "iso-vg-320", "824 rpm", "6.4 kN", "100 degC"), 3.76e-3),
+    (("NU205", "iso-vg-32", "622 rpm", "70 N", "100 degC"), 9.1e-3),
+]
+
+
+@pytest.mark.parametrize(("values", "in_time"), SUDDEN_IN_TIME)
+def test_rollers_that_friction_stops_within_a_step_are_not_thrown_back(values, in_time):
+    """A whole step in which a contact comes to slide the other way took such rollers out of the tables."""
+    keys = ("bearing", "oil", "speed", "load", "temperature")
+    scene = new(**dict(zip(keys, values, strict=True)), supply="splash")
+    balance, slip = balanced(scene)
+    assert found_by_study(balance, slip).slip == pytest.approx(in_time, rel=0.08)
+
+
 def test_the_orbit_is_closed_and_is_that_of_the_march(bearing):
     _, balance, slip = bearing
     pockets = Pockets(balance.assembly)

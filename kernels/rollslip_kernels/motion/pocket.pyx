@@ -10,7 +10,8 @@ meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the 
 
 - The steps are those of the linearly implicit Euler method, in s and w between the bars, in s alone at a bar.  They are
   stable where a contact is stiff.  Slopes of traction below zero are left to the explicit part.
-- A step in which a roller meets a bar is divided there.
+- A step in which a roller meets a bar is divided there.  So is a step after which a contact would slide the other way:
+  large friction stops the sliding within a part of it, and over a whole step would throw the roller back.
 - The position changes by the mean of the speeds at both ends of a step, so that a roller under a constant torque comes
   back to a bar at the speed at which it left.
 - The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
@@ -29,7 +30,15 @@ from rollslip_raceway cimport rs_box_reaches, rs_film_speed
 
 cdef enum:
     N_RINGS = 2
-    N_COLUMNS = 7   # of `rs_held`
+    N_COLUMNS = 7    # of `rs_held`
+    MAX_PARTS = 20   # of a step.  Chosen: two bars and two contacts divide it a few times; five leave a slip as it is
+
+# Sliding speed of a contact after a step, relative to that of rolling, from which on a change of its sign divides the
+# step.  Half and twice the value change slips of seven bearings by less than 1e-6; chosen, far above rounding.
+cdef double MAX_REVERSED_SLIDING = 1e-3
+# Smallest fraction of a step to which that divides it.  Half and ten times the value change slips of seven bearings by
+# less than 1e-6; chosen, so that steps do not vanish.
+cdef double MIN_PART = 1e-3
 
 cdef enum:   # columns of the record of a turn
     TURN
@@ -111,6 +120,17 @@ cdef int _contact(rs_raceway *raceway, double force, double sliding, double roll
     return 0
 
 
+cdef void _sliding(const geometry_t *g, const roller_t *roller, double *sliding, double *rolling) noexcept nogil:
+    """Find the sliding speeds and the speeds of rolling of the contacts with inner and outer ring."""
+    cdef double surface = g.roller_radius * (roller.spin + roller.speed)
+    cdef double inner_surface = g.inner_radius * (g.inner_speed - roller.speed)
+    cdef double outer_surface = g.outer_radius * (roller.speed - g.outer_speed)
+    sliding[0] = inner_surface - surface
+    sliding[1] = surface - outer_surface
+    rolling[0] = 0.5 * (inner_surface + surface)
+    rolling[1] = 0.5 * (surface + outer_surface)
+
+
 cdef int _torques(
     const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double turn, const roller_t *roller,
     torques_t *torques
@@ -122,17 +142,16 @@ cdef int _torques(
     cdef double part = place - <double>k
     cdef double inner_force = loads.inner[k] + part * (loads.inner[k + 1] - loads.inner[k])
     cdef double outer_force = loads.outer[k] + part * (loads.outer[k + 1] - loads.outer[k])
-    cdef double surface = g.roller_radius * (roller.spin + roller.speed)
-    cdef double inner_surface = g.inner_radius * (g.inner_speed - roller.speed)
-    cdef double outer_surface = g.outer_radius * (roller.speed - g.outer_speed)
+    cdef double[N_RINGS] sliding
+    cdef double[N_RINGS] rolling
     cdef double r = g.roller_radius
     cdef double inner_arm = g.inner_radius + r
     cdef double outer_arm = g.outer_radius - r
     outer_force += g.orbital_inertia / g.orbit_radius * (roller.speed * roller.speed - loads.speed * loads.speed)
-    if _contact(&raceways[0], inner_force, inner_surface - surface, 0.5 * (inner_surface + surface), &inner):
+    _sliding(g, roller, sliding, rolling)
+    if _contact(&raceways[0], inner_force, sliding[0], rolling[0], &inner):
         return 1
-    if _contact(
-            &raceways[1], fmax(outer_force, 0.0), surface - outer_surface, 0.5 * (surface + outer_surface), &outer):
+    if _contact(&raceways[1], fmax(outer_force, 0.0), sliding[1], rolling[1], &outer):
         return 1
     torques.spin = r * (inner.traction - inner.resistance - outer.traction - outer.resistance)
     torques.orbit = (
@@ -211,6 +230,33 @@ cdef double _step_between_bars(
     return dt
 
 
+cdef int _step(
+    const geometry_t *g, double cage_speed, double *dt, bint shortened, const torques_t *t, roller_t *roller,
+    double *sums
+) noexcept nogil:
+    """Advance a roller by a time, which is shortened to that of a bar that it meets; what the roller does, a sum."""
+    if roller.bar * t.orbit > 0.0:
+        _step_at_bar(g, cage_speed, dt[0], t, roller, sums)
+        return DRIVING if roller.bar * copysign(1.0, cage_speed) > 0.0 else PUSHED
+    dt[0] = _step_between_bars(g, cage_speed, dt[0], shortened, t, roller, sums)
+    return CROSSING
+
+
+cdef double _part_before_reversal(const geometry_t *g, const roller_t *start, const roller_t *end) noexcept nogil:
+    """Return the fraction of a step at whose end the first contact that would slide the other way does not slide."""
+    cdef double[N_RINGS] before
+    cdef double[N_RINGS] after
+    cdef double[N_RINGS] rolling
+    cdef double part = 1.0
+    cdef int ring
+    _sliding(g, start, before, rolling)
+    _sliding(g, end, after, rolling)
+    for ring in range(N_RINGS):
+        if before[ring] * after[ring] < 0.0 and fabs(after[ring]) > MAX_REVERSED_SLIDING * fabs(rolling[ring]):
+            part = fmin(part, before[ring] / (before[ring] - after[ring]))
+    return fmax(part, MIN_PART)
+
+
 cdef int _turn(
     const geometry_t *g, rs_raceway *raceways, const loads_t *loads, int steps, roller_t *roller, double *sums,
     double *record
@@ -219,25 +265,32 @@ cdef int _turn(
     cdef torques_t torques
     cdef double sense = copysign(1.0, loads.speed)
     cdef double step = 2.0 * M_PI / fabs(loads.speed) / <double>steps
-    cdef double rest, dt, turn, push
+    cdef double rest, dt, turn, push, fraction
+    cdef double[N_SUMS] sums_before
+    cdef roller_t before
     cdef int k, n, part
     for n in range(N_SUMS):
         sums[n] = 0.0
     for k in range(steps):
         rest = step
         push = sums[PUSH]
-        for part in range(2):   # the second one after a bar that the roller meets
+        for part in range(MAX_PARTS):
             turn = sense * (<double>(k + 1) - 0.5 * rest / step) / <double>steps
             turn += 0.5 * roller.position / (M_PI * g.orbit_radius)
             if _torques(g, raceways, loads, turn, roller, &torques):
                 return 1
+            before = roller[0]
+            for n in range(N_SUMS):
+                sums_before[n] = sums[n]
             dt = rest
-            n = CROSSING
-            if roller.bar * torques.orbit > 0.0:
-                _step_at_bar(g, loads.speed, dt, &torques, roller, sums)
-                n = DRIVING if roller.bar * sense > 0.0 else PUSHED
-            else:
-                dt = _step_between_bars(g, loads.speed, dt, part == 0, &torques, roller, sums)
+            n = _step(g, loads.speed, &dt, part < MAX_PARTS - 1, &torques, roller, sums)
+            fraction = _part_before_reversal(g, &before, roller)
+            if fraction < 1.0 and part < MAX_PARTS - 1:
+                dt = fraction * rest
+                roller[0] = before
+                for n in range(N_SUMS):
+                    sums[n] = sums_before[n]
+                n = _step(g, loads.speed, &dt, True, &torques, roller, sums)
             sums[n] += dt
             rest -= dt
             if rest <= 0.0:
