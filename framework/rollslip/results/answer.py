@@ -245,6 +245,8 @@ class Rule:
     conditions: tuple[tuple[Fact, str, float | tuple[float, Fact]], ...]
     #: Text beside the row; {acceptable} and {twice} are once and twice the acceptable slip.
     remark: str = ""
+    #: The same where the accuracy of the facts leaves open whether the rule holds; empty if it is the remark.
+    open_remark: str = ""
     row: str = "cage_slip"  #: Key of the row beside which the remark is shown.
     source: str = "a choice"  #: Reason of the limit.
     remedy: str = ""  #: What decides an open verdict.
@@ -283,7 +285,8 @@ RULES: Final = (
     Rule(code="V12", verdict=Verdict.UNKNOWN, conditions=((Fact.FILM_PARAMETER, "<", 0.1),), row="film_parameter",
          remark="Lambda below 0.1 is outside the range of the models"),
     Rule(code="V6", verdict=Verdict.SLIPS, conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
-         remark="above the acceptable {acceptable}", source="what a scene calls acceptable, by default a choice"),
+         remark="above the acceptable {acceptable}", open_remark="may be above the acceptable {acceptable}",
+         source="what a scene calls acceptable, by default a choice"),
     Rule(code="V7", verdict=Verdict.SLIPS, conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
          remark="may be above {twice}"),
     Rule(code="V8", verdict=Verdict.SLIPS, conditions=((Fact.RESERVE, "<", 2.0),), row="drag_reserve",
@@ -620,7 +623,9 @@ def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
         elif state is None and rule.verdict is Verdict.SKIDS:
             remark = f"whether {rule.condition} is not known"
             candidates.append((rule, Verdict.UNKNOWN, remark))
-        elif state is not False:
+        elif state is None:
+            candidates.append((rule, rule.verdict, rule.open_remark or rule.remark))
+        elif state:
             candidates.append((rule, rule.verdict, rule.remark))
     rank = _RANKS.index
     worst = max(candidates, key=lambda candidate: rank(candidate[1]))
