@@ -394,6 +394,13 @@ def _mean_of(dataset: "xr.Dataset") -> str:
     return "mean of the last orbit" if status == "steady" else f"mean of a motion that is {status}"
 
 
+def _relative_error(slip: float, error: float) -> float:
+    """Return the relative error of a slip by its fluctuation, or that up to which another study agrees if larger."""
+    if math.isnan(error) or slip == 0.0:
+        return _TOLERANCE
+    return max(_TOLERANCE, error / abs(slip))
+
+
 def steady_rows(dataset: "xr.Dataset") -> list[Row]:
     """Return the rows of the steady slip and of the reserve to skidding; one without a value if nothing is steady.
 
@@ -411,10 +418,11 @@ def steady_rows(dataset: "xr.Dataset") -> list[Row]:
             )
         ]
     error = float(a.get("steady_slip_error", math.nan))
+    mean_of = re.sub("(steady within .*?): .*", r"\1", _mean_of(dataset))
     steady = Row(key="cage_slip", label="cage slip", value=slip, text=percent(slip),
-                 note=f"{_mean_of(dataset)}; scatter of data left out",
+                 note=f"{mean_of}; scatter of data left out",
                  band=None if math.isnan(error) else (abs(slip) - error, abs(slip) + error),
-                 rank=_RANK, tolerance=_TOLERANCE)  # fmt: skip
+                 rank=_RANK, tolerance=_relative_error(slip, error))  # fmt: skip
     if "drag_reserve" not in a:
         return [steady]
     reserve = reserve_row(

@@ -58,6 +58,16 @@ _MAX_TREND: Final = 2.45
 #: error of the mean: slow noise often looks like a trend. A slip that only rises has a ratio of 3.5. Doubled, the error
 #: may be a quarter of the fluctuation; halved, motions in metal pockets are often called unsteady. Chosen.
 _MAX_DRIFT: Final = 0.25
+#: Relative error of a slip up to which it counts as steady within that error. Halved, slow bearings that turn six times
+#: have no slip, as their means over an orbit differ by up to 15 %. Chosen, far below the scatter by data.
+_MAX_STEADY_ERROR: Final = 0.25
+#: Change over the last three spans, relative to the standard deviation of the slip in these, up to which it is noise. A
+#: slip that only rises has 2.3. Halved, one of five slips that fluctuate over six orbits counts as one that moves;
+#: doubled, slips that still rise count as noise. Chosen.
+_MAX_NOISE: Final = 1.0
+#: Student's t of the mean of three spans, two degrees of freedom: it is within so many standard errors with a
+#: probability of 90 %.
+_T_OF_THREE: Final = 2.92
 
 
 def failure_source(found: Trajectory) -> str:
@@ -356,7 +366,8 @@ def steady_slip_of(
     Means over three equal spans of whole orbits, about the last three eighths of the run, give the limit of the slip by
     Aitken's delta-squared process. The slip is steady where the three means agree, or where the limit agrees with the
     mean over the last orbit. Where the slip fluctuates without a trend, the mean over the last half of the run is
-    returned, and the status has its standard error.
+    returned, and the status has its standard error. In runs that are too short for that, the limit, or the mean of the
+    three spans, counts as steady within its error, up to `_MAX_STEADY_ERROR`.
 
     Parameters
     ----------
@@ -409,16 +420,25 @@ def steady_slip_of(
         return f"{100.0 * value:.{digits}g} %"
 
     bound = _MAX_CHANGE_RATIO * earlier
-    if not 0.0 <= later < bound and not bound < later <= 0.0:
-        values = f"from {percent(first)} over {percent(second)} to {percent(third)}"
-        return MeanSlip(
-            f"not steady: it moves {values}, the means of the last three spans{longer(2.0 * duration)}"
-        )
-    limit = third + later**2 / (earlier - later)
-    if abs(limit - mean) <= allowed:
+    is_converging = 0.0 <= later < bound or bound < later <= 0.0
+    limit = third + later**2 / (earlier - later) if is_converging else math.nan
+    error = abs(limit - mean)
+    if error <= allowed:
         return MeanSlip("steady", mean, allowed)
+    unsteady = "not steady yet"
     change = f"it was {percent(mean)} over the last orbit and goes to about {percent(limit)}"
-    return MeanSlip(f"not steady yet: {change}{longer(2.0 * duration)}")
+    is_noise = abs(third - first) <= _MAX_NOISE * float(slip[t > t[-1] - 3.0 * length].std())
+    if is_noise or not is_converging:
+        unsteady = "not steady"
+        values = f"from {percent(first)} over {percent(second)} to {percent(third)}"
+        change = f"it moves {values}, the means of the last three spans"
+        limit = math.nan
+    if is_noise and duration < 2.0 * _TREND_SPANS * orbit:
+        limit = (first + second + third) / 3.0
+        error = _T_OF_THREE * float(np.std([first, second, third], ddof=1)) / math.sqrt(3.0)
+    if error <= _MAX_STEADY_ERROR * max(abs(limit), SMALLEST_SLIP):
+        return MeanSlip(f"steady within {100.0 * error:.2g} %: {change}", limit, error)
+    return MeanSlip(f"{unsteady}: {change}{longer(2.0 * duration)}")
 
 
 def _mean_of_fluctuating(t: Array, slip: Array, orbit: float) -> MeanSlip | None:
