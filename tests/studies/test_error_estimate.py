@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rollslip import load_scene
+from rollslip import load_scene, new, plan
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.resolution import Resolution
 from rollslip.studies.error_estimate import (
@@ -125,3 +125,36 @@ def test_positions_that_exceed_their_half_of_an_error_make_slices_at_most_half_a
         for B in (0.0, 1e6)
     )
     assert 2**0.5 <= capped / alone <= 1.5 * 2**0.5
+
+
+@pytest.mark.parametrize("compared_as_values", [frozenset(), frozenset({"critical_slip"})])
+def test_a_maximum_that_some_positions_lack_is_left_to_a_study_that_gives_it_as_a_value(
+    compared_as_values,
+):
+    """Its slip has no bound then, and took as many positions as the reference resolution has."""
+
+    class Flat(Coarse):
+        """A curve whose maximum is at the end of the range for some numbers of positions."""
+
+        def curves(self, assembly, slip, n_positions):
+            tilt = {1: 0.0, 2: 3.0}
+            return np.array(
+                [[slip * (1.0 - slip) + tilt.get(m, 0.0) * slip] for m in n_positions]
+            )
+
+    study = Flat(0.0)
+    object.__setattr__(study, "compared_as_values", compared_as_values)
+    choice, *_ = choose_slices_and_positions(study, bearing(Resolution()), 1.0)
+    bounds = choice.errors["n_positions"]
+    assert ("critical_slip" in bounds) == (not compared_as_values)
+    if not compared_as_values:
+        assert bounds["critical_slip"] == math.inf
+
+
+def test_the_flat_maximum_of_a_heavy_load_takes_no_more_positions_than_its_torque():
+    """Torques of this bearing are level from a slip of 20 % on: 128 positions took 40 s in place of 3."""
+    scene = new(
+        "NU1020", oil="iso-vg-32", speed="882 rpm", load="40 kN", temperature="100 degC", supply="mist"
+    )  # fmt: skip
+    resolution = plan(scene, "steady-slip").choices["steady-slip"].resolution
+    assert resolution.n_positions <= 12

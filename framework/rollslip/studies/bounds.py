@@ -15,7 +15,7 @@
 
 import abc
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, TypeAlias
 
@@ -240,6 +240,21 @@ class ErrorBound:
             for n, sample in zip(numbers[:-1], ladder, strict=True)
         ]
         return cls(constants=combine_errors(scaled, max))
+
+    def without_unbounded(self, results: Collection[str]) -> "ErrorBound":
+        """Return the bound without those of some results that have none, as the slip of a flat maximum has.
+
+        Parameters
+        ----------
+        results : collection of str
+            Results whose errors a study estimates by values after its run.
+        """
+        bounded = {
+            name: constant
+            for name, constant in self.constants.items()
+            if name not in results or math.isfinite(constant)
+        }
+        return attrs.evolve(self, constants=bounded)
 
     def errors(self, n: int) -> Errors:
         """Return the bounds on the errors of n points."""

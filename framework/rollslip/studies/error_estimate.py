@@ -552,6 +552,7 @@ def choose_slices_and_positions(
     if study.is_averaged:
         numbers = _POSITION_LADDER if study.has_nested_positions else _SEPARATE_POSITION_LADDER
         bound = ErrorBound.from_samples(numbers, probe.sample(coarse, *numbers))
+        bound = bound.without_unbounded(study.compared_as_values)
         each = {name: error / (1 + has_slices) for name, error in allowed.items()}
         n_positions = _whole_number(bound.required_points(each), 1, best.n_positions)
         position_errors = bound.errors(n_positions)
@@ -562,14 +563,20 @@ def choose_slices_and_positions(
             name: max(error - position_errors.get(name, 0.0), _MIN_SLICE_FRACTION * error)
             for name, error in allowed.items()
         }
-        slices, rule, slice_errors = _choose_slices(probe, coarse, rest, best.slices)
+        slices, rule, slice_errors = _choose_slices(
+            probe, coarse, rest, best.slices, study.compared_as_values
+        )
         resolution = attrs.evolve(resolution, slices=slices, quadrature=rule)
         errors = {"slices": slice_errors, **errors}
     return ResolutionChoice(resolution=resolution, errors=errors), probe, coarse
 
 
 def _choose_slices(
-    probe: Probe, coarse: Assembly, allowed: Errors, max_slices: int
+    probe: Probe,
+    coarse: Assembly,
+    allowed: Errors,
+    max_slices: int,
+    compared_as_values: Collection[str],
 ) -> tuple[int, str, Errors]:
     """Return number and quadrature rule of the slices that keep the allowed errors, and the bounds on their errors."""
 
@@ -582,7 +589,7 @@ def _choose_slices(
     bounds = {
         rule: ErrorBound.from_samples(
             _SLICE_LADDER, [*(sample(n, rule) for n in _SLICE_LADDER[:-1]), fine]
-        )
+        ).without_unbounded(compared_as_values)
         for rule in (("equal", "gauss") if stated is None else ("equal",))
     }
     required = {rule: bound.required_points(allowed) for rule, bound in bounds.items()}
