@@ -38,9 +38,9 @@ LONG_RUN: Final = 60.0
 #: Lower bound on the time of a slice, all stages compiled [s]; measured, an estimate below it is not believed.
 _SLICE_TIME: Final = 2e-8
 #: Time of the error estimate and the check of validity at least [s], measured by docs/scripts/plan_times.py.
-_CHECK_TIME: Final = 0.03
+_CHECK_TIME: Final = 0.01
 #: Time of both, relative to that of the study; measured likewise.
-_CHECK_FRACTION: Final = 0.9
+_CHECK_FRACTION: Final = 0.4
 
 
 def part_as_dict(part: Part) -> dict[str, Any]:

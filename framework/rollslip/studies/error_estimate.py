@@ -813,12 +813,17 @@ class _ReferenceComparison:
         """Return the errors of slices on coarse positions, and of positions on coarse slices.
 
         Where they exceed the tolerance, they are estimated again with the positions and slices of the run, those of
-        slices on the largest number of `_POSITION_LADDER` at most: with more the comparison takes longer.
+        slices on the largest number of `_POSITION_LADDER` at most: with more the comparison takes longer. They are
+        empty for a study whose results are all compared as values.
         """
         errors = dict[str, Errors]()
         orders = dict[str, float]()
         estimate = ErrorEstimate(errors=errors, orders=orders, slices=self.assembly.slices)
         m = self.assembly.resolution.n_positions or 1
+        if self.curve_study.controlled_outputs.keys() <= self.curve_study.compared_as_values:
+            # no curve is compared; the parts are those of values
+            errors |= {"slices": {}, "n_positions": {}}
+            return estimate
         if self.assembly.slices > 1:
             errors["slices"] = self.slice_errors(COARSE_POSITIONS)
         if self.curve_study.is_averaged:

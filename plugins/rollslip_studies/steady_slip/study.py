@@ -172,8 +172,9 @@ class SteadySlip(Study):
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"critical_slip": "skidding_slip", "friction": "limit_drag"}
     )
-    # the vertex through three slips at a flat maximum is no measure of a slip that is told with its range
-    compared_as_values: ClassVar[frozenset[str]] = frozenset({"critical_slip"})
+    # Curves at a few slips are no measure of its values: the vertex through three slips at a flat maximum is none of a
+    # slip that has a range, and where rollers change their motion a curve jumps at a slip that shifts with the positions
+    compared_as_values: ClassVar[frozenset[str]] = frozenset({"critical_slip", "friction"})
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
