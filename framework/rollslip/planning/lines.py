@@ -40,7 +40,7 @@ _SLICE_TIME: Final = 2e-8
 #: Time of the error estimate and the check of validity at least [s], measured by docs/scripts/plan_times.py.
 _CHECK_TIME: Final = 0.01
 #: Time of both, relative to that of the study; measured likewise.
-_CHECK_FRACTION: Final = 0.4
+_CHECK_FRACTION: Final = 0.5
 
 
 def part_as_dict(part: Part) -> dict[str, Any]:
