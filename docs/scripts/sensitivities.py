@@ -19,9 +19,9 @@ from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.results.style import plain_decades
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location
+from rollslip.studies.quantities import quantities
 from rollslip_studies.motion.torque_balance import reserve, running, skidding_onset, torque_balance
 from rollslip_studies.variation.distributions import read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
 
 #: Bearing, oil, speed and load of each scene, at 70 degC.

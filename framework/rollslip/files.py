@@ -10,7 +10,7 @@ import math
 import os
 import shutil
 import stat
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -22,6 +22,8 @@ from rollslip.fields import FieldError, refuse_if
 from rollslip.units import NUMBER, UnitError, as_written, expectation, quantity
 
 _REMEDY: Final = "free space, or name another place"
+#: Faults of one file that an error lists; the others are counted. Doubling it makes longer errors; chosen.
+_MAX_FAULTS: Final = 20
 #: Control characters except tabulator and ends of lines -> their escapes in Python.
 _CONTROL_ESCAPES: Final = {code: f"\\x{code:02x}" for code in range(32) if code not in b"\t\n\r"}
 #: Suffix of a file that is not a scene -> what it is, and which command takes it.
@@ -115,6 +117,30 @@ def named_text(file: str) -> str:
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         reason = getattr(error, "strerror", None) or error
         raise FieldError("file", f"{file}: cannot be read: {reason}") from None
+
+
+def content_named(path: str | os.PathLike[str]) -> tuple[str, bytes]:
+    """Return the name of a file for messages, and its content."""
+    source = readable(os.fspath(path))
+    try:
+        return source, content_of(Path(path))
+    except OSError as error:
+        raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
+
+
+def text_named(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Return the name of a file for messages, and its text."""
+    source, content = content_named(path)
+    return source, decoded(content, source)
+
+
+def faults_of(source: str, faults: Sequence[str]) -> SceneError:
+    """Return the error with the faults of a file; of many faults, with the first ones and the number of others."""
+    more = len(faults) - _MAX_FAULTS
+    listed = list(faults[:_MAX_FAULTS])
+    if more > 0:
+        listed.append(f"{source}: and {more} faults more")
+    return SceneError(listed)
 
 
 def read_columns(

@@ -15,10 +15,10 @@ from rollslip.planning.plausibility import implausible
 from rollslip.scene import resolved, scene_hash
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import DENSITY
+from rollslip.studies.quantities import quantities
 from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
-from rollslip_studies.variation.quantities import quantities
 from without_bands import run
 
 pytestmark = pytest.mark.quick

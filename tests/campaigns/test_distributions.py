@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.structure import Location
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sampling import probabilities
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, Uncertainty, read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 
 pytestmark = pytest.mark.quick
 

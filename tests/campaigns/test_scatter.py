@@ -22,6 +22,7 @@ from rollslip.bearing.cage import oil_supply
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
+from rollslip.studies.quantities import quantities
 from rollslip_campaigns.uncertainty import UncertaintySettings, findings
 from rollslip_campaigns.uncertainty.samples import (
     classify_reserves,
@@ -41,7 +42,6 @@ from rollslip_studies.motion.torque_balance import (
 )
 from rollslip_studies.steady_slip.band import QUANTILES, bands
 from rollslip_studies.variation.distributions import LogNormal
-from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import scattering, with_scatter
 from scattered import SCATTERED as SCENE
 from scattered import constant, uncertain

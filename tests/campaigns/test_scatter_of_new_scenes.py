@@ -19,10 +19,10 @@ from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
 from rollslip.structure import Location
+from rollslip.studies.quantities import quantities
 from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip.band import bands
 from rollslip_studies.variation.distributions import read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import scattering, with_scatter
 
 #: Standard deviations of logarithms by what is known of each: land, churning, rolling, hysteresis.

@@ -11,9 +11,9 @@ from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.planning.keys import example, keys, keys_of
 from rollslip.scene.changes import parse_set
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import settings
 from rollslip.units import quantity
-from rollslip_studies.variation.quantities import quantities
 
 SCENE = load_scene("1032930-70C")
 

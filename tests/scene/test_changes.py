@@ -16,7 +16,7 @@ from rollslip.scene.changes import SHORT, evolve, parse_set
 from rollslip.scene.reading import load_scene, parse_scene
 from rollslip.scene.schema import schema
 from rollslip.structure import structure
-from rollslip_studies.variation.quantities import quantities
+from rollslip.studies.quantities import quantities
 from scene_samples import SCENE, scene_with
 
 pytestmark = pytest.mark.quick

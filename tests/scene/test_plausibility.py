@@ -23,10 +23,10 @@ from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
 from rollslip.scene.relations import RELATIONS
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, types_of
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import study_class
 from rollslip_plugins.traction.shear_thinning import Carreau
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
-from rollslip_studies.variation.quantities import quantities
 from scene_samples import line_of, scene_with
 
 pytestmark = pytest.mark.quick

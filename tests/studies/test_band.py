@@ -24,13 +24,13 @@ from rollslip.results.accounts import _varied_quantity, account_of
 from rollslip.results.answer import collect_notes
 from rollslip.scene.reading import as_scene, load_scene
 from rollslip.structure import Location
+from rollslip.studies.quantities import quantities
 from rollslip_plugins.film.formulas import Moes
 from rollslip_plugins.traction.eyring import MaxwellEyring, Muraki
 from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.band import Band, QuantityEffect, bands, with_bands
 from rollslip_studies.variation.distributions import read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
 from scattered import constant, uncertain
 

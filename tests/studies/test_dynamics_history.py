@@ -661,7 +661,7 @@ def test_the_plan_tells_what_a_history_costs_and_why_friction_is_conventional():
 
 @pytest.mark.quick
 def test_a_parameter_of_a_history_can_be_varied():
-    from rollslip_studies.variation.quantities import quantities
+    from rollslip.studies.quantities import quantities
 
     of = scene(radial_load={"shape": "ramp", "to": "900 N", "within": "0.5 s"})
     bearing = assemble(of)

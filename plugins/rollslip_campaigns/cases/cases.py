@@ -16,6 +16,7 @@ from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
 from rollslip.scene.changes import evolve
 from rollslip.studies.outputs import named_outputs
+from rollslip.studies.quantities import quantities
 from rollslip.studies.rating_life.largest_load import basic_life
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.cases import CaseSettings
@@ -31,7 +32,6 @@ from rollslip_campaigns.sweep.sweep import (
     without_tables,
 )
 from rollslip_studies.steady_slip.study import SteadySlip
-from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["STUDY", "CasePlan", "plan_cases", "run_cases"]
 

@@ -13,6 +13,7 @@ from rollslip.results.text import short_label
 from rollslip.scene.changes import Quantity, describe_unknown_key
 from rollslip.scene.values import Scene
 from rollslip.structure import raise_problems
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import settings
 from rollslip.toml import as_list
 from rollslip.units import UnitError, evenly, shown_unit
@@ -21,7 +22,6 @@ from rollslip_campaigns.explorer.grid import Dial, Explorer
 from rollslip_campaigns.sweep.sampling import read_overs, read_span
 from rollslip_studies.steady_slip.minimum_load import minimum_loads_of_makers
 from rollslip_studies.steady_slip.study import SteadySlip
-from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["plan_explorer"]
 

@@ -39,6 +39,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import FrozenTable, raise_problem_if
 from rollslip.studies.bounds import exceeding
+from rollslip.studies.quantities import quantities
 from rollslip.studies.rating_life.largest_load import largest_load
 from rollslip.studies.study import settings, study_class
 from rollslip.studies.surface_damage.model import named_damage
@@ -66,7 +67,6 @@ from rollslip_campaigns.sweep.sampling import (
     read_range,
 )
 from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, study_with_outputs
-from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["RESULT", "Limit", "plan_limit", "run_limit"]
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import SceneError, did_you_mean, nearest
-from rollslip.files import readable
+from rollslip.files import faults_of, readable, text_named
 from rollslip.references import Reference
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
@@ -29,10 +29,8 @@ from rollslip_campaigns.measurement.rig import (
     Rig,
     RigData,
     TractionRow,
-    faults_of,
     load_rig,
     read_data,
-    text_named,
 )
 from rollslip_campaigns.measurement.values import (
     FORM,

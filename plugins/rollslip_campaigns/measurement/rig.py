@@ -9,7 +9,7 @@
 import hashlib
 import math
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,7 +19,14 @@ import numpy as np
 from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, positive
-from rollslip.files import content_of, decoded, read_columns, readable
+from rollslip.files import (
+    content_named,
+    decoded,
+    faults_of,
+    read_columns,
+    readable,
+    text_named,
+)
 from rollslip.scene.values import LubricantTable, Models
 from rollslip.search import Array
 from rollslip.structure import Location, raise_problem_if, structure
@@ -52,8 +59,6 @@ film = "moes"
 traction = "muraki"
 """
 
-#: Faults of one file that an error lists; the others are counted. Doubling it makes longer errors; chosen.
-_MAX_FAULTS = 20
 #: Largest absolute friction coefficient that is accepted: above it the unit is wrong. Doubling it accepts more wrong
 #: columns; chosen far above any measured coefficient.
 _MAX_FRICTION: Final = 10.0
@@ -221,30 +226,6 @@ def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
                 lines=lines,
             )
     raise faults_of(source, faults)
-
-
-def content_named(path: str | os.PathLike[str]) -> tuple[str, bytes]:
-    """Return the name of a file for messages, and its content."""
-    source = readable(os.fspath(path))
-    try:
-        return source, content_of(Path(path))
-    except OSError as error:
-        raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
-
-
-def text_named(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Return the name of a file for messages, and its text."""
-    source, content = content_named(path)
-    return source, decoded(content, source)
-
-
-def faults_of(source: str, faults: Sequence[str]) -> SceneError:
-    """Return the error with the faults of a file; of many faults, with the first ones and the number of others."""
-    more = len(faults) - _MAX_FAULTS
-    listed = list(faults[:_MAX_FAULTS])
-    if more > 0:
-        listed.append(f"{source}: and {more} faults more")
-    return SceneError(listed)
 
 
 def _check_loads(names: Collection[str]) -> str:

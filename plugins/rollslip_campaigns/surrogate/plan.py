@@ -17,6 +17,7 @@ from rollslip.scene.changes import Quantity, describe_unknown_key, evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import raise_problem_if, raise_problems
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, format_quantity, quantity
 from rollslip_campaigns.surrogate import SurrogateSettings
@@ -32,7 +33,6 @@ from rollslip_studies.raceway_friction.study import (
     ROLLING_NODES,
     RacewayFriction,
 )
-from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["UNITS", "SurrogatePlan", "drag_error", "plan_surrogate", "row_axes"]
 

@@ -45,6 +45,7 @@ from rollslip.structure import (
     structure,
 )
 from rollslip.studies.outputs import named_outputs
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written, format_quantity
 from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, combination_name
@@ -59,7 +60,6 @@ from rollslip_campaigns.sweep.sampling import (
     read_overs,
 )
 from rollslip_studies.variation.distributions import Distribution, Uncertainty, read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 
 __all__ = [
     "FILE",

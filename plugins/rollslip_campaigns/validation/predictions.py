@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import OutputError, SceneError
-from rollslip.files import whole_file
+from rollslip.files import text_named, whole_file
 from rollslip.results.curves import or_none
 from rollslip.structure import FrozenTable, raise_problem_if, raise_problems
 from rollslip.units import as_written
 from rollslip_campaigns.measurement import Measurement, load_measurement
-from rollslip_campaigns.measurement.rig import load_rig, read_data, text_named
+from rollslip_campaigns.measurement.rig import load_rig, read_data
 from rollslip_campaigns.measurement.values import QUANTITIES, ContactSeries, Row, Series
 from rollslip_campaigns.validation.residuals import Value
 

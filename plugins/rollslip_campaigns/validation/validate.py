@@ -34,6 +34,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import Location, raise_problem_if, raise_problems
+from rollslip.studies.quantities import quantities
 from rollslip.studies.study import settings
 from rollslip.units import quantity as in_unit
 from rollslip_campaigns.comparison.choices import KINDS, read_choice, refuse
@@ -51,7 +52,6 @@ from rollslip_campaigns.validation.residuals import (
     compare_series,
 )
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
 
 __all__ = [

@@ -18,6 +18,7 @@ from rollslip.results.text import Status
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
 from rollslip.structure import raise_problem_if
+from rollslip.studies.quantities import quantities
 from rollslip.studies.rating_life.model import life_models
 from rollslip.studies.study import settings
 from rollslip.units import quantity
@@ -29,7 +30,6 @@ from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, without_
 from rollslip_campaigns.window import WindowSettings
 from rollslip_studies.rating_life.study import RatingLife
 from rollslip_studies.steady_slip.study import SteadySlip
-from rollslip_studies.variation.quantities import quantities
 
 __all__ = ["WindowPlan", "plan_window", "run_window"]
 

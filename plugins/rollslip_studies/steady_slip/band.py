@@ -65,6 +65,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array, secant_root
 from rollslip.structure import Location, thawed
+from rollslip.studies.quantities import quantities
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.loading_branch import SEARCH
 from rollslip_studies.motion.losses import power_balance
@@ -80,7 +81,6 @@ from rollslip_studies.steady_slip.evaluated import (
 )
 from rollslip_studies.variation.choices import open_choices
 from rollslip_studies.variation.distributions import Uncertainty, read_uncertainty
-from rollslip_studies.variation.quantities import quantities
 from rollslip_studies.variation.scatter import with_scatter
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from rollslip.scene.changes import Quantity, stated_values
 from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, resolved
-from rollslip_studies.variation.quantities import quantities
+from rollslip.studies.quantities import quantities
 
 __all__ = ["scattering", "states", "with_scatter"]
 

@@ -1,0 +1,260 @@
+"""Read tables whose columns are keys of a scene: CSV, xlsx or pandas, with all faults of a table in one error.
+
+- The first row has the key of each column, or its last part where that is unique, with the unit of the values below.
+- Further columns, such as a measured value, are named by the caller, with their units.
+- A cell is a number alone, or a name. Nothing is repaired and nothing is left out.
+"""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import attrs
+
+from rollslip.errors import RollslipError, SceneError
+from rollslip.fields import FieldError
+from rollslip.files import faults_of, readable, text_named
+from rollslip.scene.changes import Quantity, describe_unknown_key, full_key
+from rollslip.structure import raise_problem_if
+from rollslip.units import NUMBER, UnitError, as_written
+from rollslip.units import quantity as in_unit
+
+__all__ = ["Column", "FurtherColumn", "KeyTable", "read_table"]
+
+
+@attrs.frozen
+class FurtherColumn:
+    """A column that is not a key of the scene.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit of its values.
+    minimum : float
+        Smallest value, in this unit.
+    """
+
+    unit: str
+    minimum: float = -math.inf
+
+
+@attrs.frozen
+class Column:
+    """A column of a table.
+
+    Attributes
+    ----------
+    key : str
+        Key of the scene, or name of a further column.
+    unit : str
+        Unit of its values, as the table has it; empty for names and whole numbers.
+    quantity : Quantity or None
+        The quantity of the scene; None for a further column.
+    further : FurtherColumn or None
+        The further column; None for a quantity of the scene.
+    """
+
+    key: str
+    unit: str
+    quantity: Quantity | None
+    further: FurtherColumn | None = None
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it has numbers with a unit of the scene."""
+        return self.quantity is not None and self.quantity.unit is not None
+
+    def read(self, cell: str, place: str, problems: list[str]) -> object:
+        """Return the value of a cell as the scene takes it, or None after collecting its fault."""
+        try:
+            return self._value(cell)
+        except FieldError as error:
+            reason = error.reason
+        except SceneError as error:
+            reason = "; ".join(error.problems)
+        except (RollslipError, ValueError, TypeError) as error:
+            reason = str(error)
+        problems.append(f"{place}: {self.key}: {reason}")
+        return None
+
+    def _value(self, cell: str) -> object:
+        """Return the value of a cell as the scene takes it."""
+        if self.quantity is not None and not (self.is_number or self.quantity.whole):
+            return self.quantity.read(cell)
+        raise_problem_if(not cell, "is empty")
+        raise_problem_if(
+            not NUMBER.fullmatch(cell),
+            f"{as_written(cell)} is not a number alone; its unit stands in the head",
+        )
+        written = f"{cell} {self.unit}" if self.unit else float(cell)
+        if self.quantity is not None:
+            return self.quantity.read(written)
+        assert self.further is not None
+        value = in_unit(written, self.further.unit)
+        below = f"below {self.further.minimum:g}" if self.further.minimum else "below zero"
+        raise_problem_if(value < self.further.minimum, f"{as_written(cell)} is {below}")
+        return value
+
+
+@attrs.frozen
+class KeyTable:
+    """A table whose columns are keys of a scene.
+
+    Attributes
+    ----------
+    source : str
+        Name of the table for messages.
+    columns : tuple of Column
+        Its columns.
+    places : tuple of str
+        Place of each row for messages: file and line.
+    values : mapping of str to list
+        Values of each column as the scene takes them, by its key.
+    """
+
+    source: str
+    columns: tuple[Column, ...]
+    places: tuple[str, ...]
+    values: Mapping[str, list[Any]]
+
+
+def read_table(
+    given: object, known: Mapping[str, Quantity], further: Mapping[str, FurtherColumn]
+) -> KeyTable:
+    """Return a table; all its faults are raised in one error.
+
+    Parameters
+    ----------
+    given : path or pandas.DataFrame
+        A file .csv or .xlsx, or a frame.
+    known : mapping of str to Quantity
+        Quantities of the scene by key.
+    further : mapping of str to FurtherColumn
+        Columns that are not keys of the scene, by name.
+    """
+    source, rows = _rows_of(given)
+    raise_problem_if(len(rows) < 2, f"{source}: a head and a row below it are expected")
+    (head_place, head), *body = rows
+    problems = list[str]()
+    columns = [_parse_head(cell, known, further, head_place, problems) for cell in head]
+    keys = [column.key for column in columns if column is not None]
+    twice = [key for key in dict.fromkeys(keys) if keys.count(key) > 1]
+    problems += [f"{head_place}: {key} stands there twice" for key in twice]
+    values = _read_values(columns, body, problems)
+    if problems:
+        raise faults_of(source, problems)
+    return KeyTable(
+        source,
+        tuple(column for column in columns if column is not None),
+        tuple(place for place, _ in body),
+        values,
+    )
+
+
+def _read_values(
+    columns: Sequence[Column | None], body: Sequence[tuple[str, list[str]]], problems: list[str]
+) -> dict[str, list[Any]]:
+    """Return the values of each column by its key, after collecting the faults of cells and rows."""
+    values = {column.key: list[Any]() for column in columns if column is not None}
+    for place, cells in body:
+        if len(cells) != len(columns):
+            problems.append(f"{place}: {len(cells)} values under {len(columns)} columns")
+            continue
+        for column, cell in zip(columns, cells, strict=True):
+            if column is not None:
+                values[column.key].append(column.read(cell, place, problems))
+    return values
+
+
+def _parse_head(
+    cell: str,
+    known: Mapping[str, Quantity],
+    further: Mapping[str, FurtherColumn],
+    place: str,
+    problems: list[str],
+) -> Column | None:
+    """Return the column under a cell of the head, or None after collecting its fault."""
+    name, bracket, rest = (part.strip() for part in cell.partition("["))
+    unit = rest.removesuffix("]").strip() if bracket else ""
+    key = name
+    quantity = None
+    own = further.get(name)
+    si: str | None = None if own is None else own.unit
+    if own is None:
+        matches = [key for key in known if key.endswith(f".{name}")]
+        key = matches[0] if len(matches) == 1 else full_key(name)
+        if key not in known:
+            names = f"; further columns are {', '.join(further)}" if "." not in name else ""
+            problems.append(f"{place}: {describe_unknown_key(key, dict(known))}{names}")
+            return None
+        quantity = known[key]
+        si = quantity.unit
+    if si is None and unit:
+        problems.append(f"{place}: {key}: has no unit, [{unit}] is wrong here")
+        return None
+    if si not in (None, "1") and not unit:
+        problems.append(
+            f"{place}: {key}: the unit is missing; write {as_written(f'{name} [{si}]')}"
+        )
+        return None
+    try:
+        if unit:
+            in_unit(f"1 {unit}", si or "1")
+    except UnitError as error:
+        problems.append(f"{place}: {key}: {error}")
+        return None
+    return Column(key, unit, quantity, own)
+
+
+def _rows_of(given: object) -> tuple[str, list[tuple[str, list[str]]]]:
+    """Return the name of a table, and place and cells of its rows; the first one is its head."""
+    if not isinstance(given, str | Path):
+        return _rows_of_frame(given)
+    path = Path(given)
+    if path.suffix.lower() == ".xlsx":
+        return readable(str(path)), _rows_of_workbook(path)
+    source, text = text_named(path)
+    lines = [
+        (f"{source}:{number}", [cell.strip() for cell in next(csv.reader([line]))])
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    return source, lines
+
+
+def _rows_of_frame(given: Any) -> tuple[str, list[tuple[str, list[str]]]]:
+    """Return the rows of a pandas.DataFrame."""
+    try:
+        head = [str(name) for name in given.columns]
+        rows = given.to_numpy().tolist()
+    except AttributeError:
+        raise SceneError(
+            [
+                f"table: a file .csv or .xlsx or a pandas.DataFrame is expected, not {as_written(given)}"
+            ]
+        ) from None
+    lines = [(f"table: row {k}", [str(cell) for cell in row]) for k, row in enumerate(rows, 1)]
+    return "table", [("table: head", head), *lines]
+
+
+def _rows_of_workbook(path: Path) -> list[tuple[str, list[str]]]:
+    """Return the rows of the first sheet of an Excel workbook."""
+    try:
+        from openpyxl import load_workbook
+        from openpyxl.utils.exceptions import InvalidFileException
+    except ImportError:
+        raise SceneError(
+            [f"{readable(str(path))}: needs openpyxl; pip install 'rollslip[xlsx]', or write csv"]
+        ) from None
+    try:
+        sheet = load_workbook(path, read_only=True, data_only=True).worksheets[0]
+    except (OSError, ValueError, KeyError, BadZipFile, InvalidFileException) as error:
+        raise SceneError([f"{readable(str(path))}: cannot be read: {error}"]) from error
+    return [
+        (f"{readable(path.name)}: row {number}", ["" if c is None else str(c).strip() for c in row])
+        for number, row in enumerate(sheet.iter_rows(values_only=True), 1)
+        if any(cell is not None for cell in row)
+    ]
