@@ -162,6 +162,12 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
 @set_option
 @results_options(resume=True)
 @click.option(
+    "--measured",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Table of measured points, csv or xlsx, to compare with; its columns are keys and measured values.",
+)
+@click.option(
     "--verify",
     is_flag=True,
     help="Run at a finer resolution too, and report whether the error of the plan was as predicted.",
@@ -189,6 +195,7 @@ def run(
     scene: str,
     study: str | None,
     changes: Sequence[str],
+    measured: Path | None,
     verify: bool,
     failing: Sequence[str],
     ignored: Sequence[str],
@@ -201,13 +208,14 @@ def run(
     It prints the answer: OK, SLIPS, SKIDS or UNKNOWN, and what that rests on; with -v all that was found.
     """
     from rollslip.cli import console
-    from rollslip.planning.execution import studies_of_slip
+    from rollslip.planning.execution import read_measured, studies_of_slip, with_measured
     from rollslip.planning.lines import describe_own_cage
     from rollslip.planning.plan import plan
     from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
 
     planned = plan(scene_of(scene, changes), study)
+    points = None if measured is None else read_measured(measured, planned.assembly)
     if verbose and not results.as_json:
         click.echo(console.headline(planned))
     # the answer has the cage among its assumptions
@@ -219,11 +227,14 @@ def run(
     checkpoints = results.checkpoint_folder()
     arguments = [scene, *(f"--set={change}" for change in changes)]
     options = ["--study", study] if study else []
+    options += [] if measured is None else ["--measured", str(measured)]
     hint = results.resume_hint(["rollslip", "run", *arguments, *options])
     with interruptible(checkpoints, hint), results.folder() as folder:
         datasets, failures = _run_studies(planned, checkpoints, verify)
         for name in studies_of_slip(datasets.values()):
             datasets[name] = planned.studies[name].with_bands(planned.scene, datasets[name])
+        if points is not None:
+            datasets = with_measured(datasets, points, planned.scene)
         for name, dataset in datasets.items():
             save(dataset, folder / f"{name}.nc")
         results.show(datasets, folder, shlex.join(arguments))

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.catalogue.discovery import naming_package
 from rollslip.errors import RollslipError
@@ -35,18 +36,20 @@ from rollslip.studies.answers import RunContext, Store
 from rollslip.studies.bounds import ErrorEstimate
 from rollslip.studies.error_estimate import estimate_error, refine_resolution
 from rollslip.studies.law_outputs import law_outputs
+from rollslip.studies.study import settings
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.results.figures import Result
+    from rollslip.studies.measured import MeasuredPoints
 
 _log = logging.getLogger(__name__)
 #: Part of the discretisation error, a field of a resolution -> attribute of a result, where it is not the part's name.
 _ERROR_ATTRIBUTES: Final = {"n_positions": "positions_error"}
 
 
-def run(scene: Scene | str, study: str | None = None) -> "Result":
+def run(scene: Scene | str, study: str | None = None, *, measured: object = None) -> "Result":
     """Run the studies of a scene.
 
     Parameters
@@ -55,6 +58,10 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
         A scene, the name of a shipped one, or a file.
     study : str, optional
         Only this study, one of those that ``rollslip models study`` lists.
+    measured : path or pandas.DataFrame, optional
+        Table of measured points: keys of the scene, and measured values with their standard uncertainties, such as
+        ``cage_slip [%]`` and ``cage_slip_uncertainty [%]``. Answer and figures compare them with values calculated at
+        their conditions.
 
     Returns
     -------
@@ -79,6 +86,7 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
     from rollslip.results.figures import Result
 
     planned = plan(scene, study)
+    points = None if measured is None else read_measured(measured, planned.assembly)
     executed = dict[str, Executed]()
     for name in planned.studies:
         with progress_in_notebook(name, partial(planned.seconds_of, name)) as show:
@@ -86,7 +94,7 @@ def run(scene: Scene | str, study: str | None = None) -> "Result":
         if executed[name].dataset.attrs.get("outcome") == "interrupted":
             break
     return Result.from_studies(
-        {name: run.dataset for name, run in executed.items()}, partial(_completed, executed)
+        {name: run.dataset for name, run in executed.items()}, partial(_completed, executed, points)
     )
 
 
@@ -220,7 +228,6 @@ def compute(
         "resolution": json.dumps(attrs.asdict(choice.resolution)),
         "reinstated": json.dumps(reinstated),
     }
-    processor_time = time.process_time() - processor_start
     dataset.attrs |= run_origin(plan, evaluated, time.perf_counter() - start)
     return Executed(
         study=study,
@@ -228,7 +235,7 @@ def compute(
         plan=plan,
         dataset=dataset,
         error=error,
-        processor_time=processor_time,
+        processor_time=time.process_time() - processor_start,
     )
 
 
@@ -260,14 +267,75 @@ def _run(
             plan = plan.with_reinstated(study, broken.bound)
 
 
-def _completed(executed: Mapping[str, Executed]) -> dict[str, "xr.Dataset"]:
+def _completed(
+    executed: Mapping[str, Executed], points: "MeasuredPoints | None"
+) -> dict[str, "xr.Dataset"]:
     """Return documented results of studies, with the bands of those from which an answer takes the slip."""
     results = {name: run.documented() for name, run in executed.items()}
     first = next(iter(results))
     for name in {first, *studies_of_slip(results.values())}:
         plan = executed[name].plan
         results[name] = plan.studies[name].with_bands(plan.scene, results[name])
+    if points is not None:
+        results = with_measured(results, points, executed[first].plan.scene)
     return results
+
+
+def read_measured(given: object, assembly: Assembly) -> "MeasuredPoints":
+    """Return the measured points of a table beside a bearing; all faults of the table are raised in one error.
+
+    Parameters
+    ----------
+    given : path or pandas.DataFrame
+        The table.
+    assembly : Assembly
+        The bearing.
+    """
+    from rollslip.studies.measured import read_points
+    from rollslip.studies.quantities import quantities
+
+    return read_points(given, quantities(assembly, settings(assembly.scene)), assembly.scene)
+
+
+def with_measured(
+    results: "Mapping[str, xr.Dataset]", points: "MeasuredPoints", scene: Scene
+) -> "dict[str, xr.Dataset]":
+    """Return results of a run, of which one has the comparison with measured points as its attribute ``measured``.
+
+    Parameters
+    ----------
+    results : mapping of str to xarray.Dataset
+        Results with bands, by study.
+    points : MeasuredPoints
+        The measured points.
+    scene : Scene
+        The scene of the run.
+    """
+    from rollslip.studies.measured import compare_points
+
+    def compute(changed: Scene, study: str) -> "xr.Dataset":
+        if study in results and scene_hash(changed) == scene_hash(scene):
+            return results[study]
+        return result_with_bands(changed, study)
+
+    studies = [study.name for study, _ in points.quantities.values()]
+    target = next((name for name in studies if name in results), next(iter(results)))
+    records = json.dumps(compare_points(points, scene, compute))
+    return {**results, target: results[target].assign_attrs(measured=records)}
+
+
+def result_with_bands(scene: Scene, study: str) -> "xr.Dataset":
+    """Return the result of a study at a scene, with bands.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    study : str
+        Name of the study.
+    """
+    planned = plan(scene, study)
+    return planned.studies[study].with_bands(scene, execute(planned, study))
 
 
 def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:

@@ -50,6 +50,7 @@ __all__ = [
     "answer",
     "describe_defaults",
     "findings",
+    "measured_rows",
     "refuse_unreadable",
     "scene_file",
     "with_assumptions",
@@ -179,8 +180,11 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     assumed += [LOWER_BOUNDS for result in results if result.attrs.get("bound_below")]
     assumed += [*merged.assumed, describe_defaults(results)]
     assumed += [oil.get("caution", "") for oil in oils]
+    rows = [*merged.rows]
+    rows[1:1] = [row for result in results for row in measured_rows(result)]
     return attrs.evolve(
         merged,
+        rows=tuple(rows),
         case=max(map(describe_case, results), key=len, default=()),
         notes=tuple(note for note in collect_notes(results) if note.code not in ignored),
         faults=(*merged.faults, *dict.fromkeys(small_loads)),
@@ -214,6 +218,63 @@ def findings(result: "xr.Dataset", topic: str = "") -> list[str]:
     if topic not in topics:
         raise OutputError(f"findings: there is no topic {topic!r}; there are {', '.join(topics)}")
     return topics[topic]
+
+
+def measured_rows(dataset: "xr.Dataset") -> list[Row]:
+    """Return the row on measured points beside a result, as a list; empty where it has none.
+
+    Values agree where their difference is within both expanded uncertainties, so that the normalised error is at most 1.
+    Of several alternatives the one with the smallest of the largest normalised errors is named.
+    """
+    records: list[dict[str, Any]] = json.loads(dataset.attrs.get("measured", "[]"))
+    groups = dict[str, list[dict[str, Any]]]()
+    for record in records:
+        groups.setdefault(record["alternative"], []).append(record)
+    if not groups:
+        return []
+    largest = {
+        name: max((r["normalised_error"] for r in group if _is_known(r)), default=math.inf)
+        for name, group in groups.items()
+    }
+    closest = min(largest, key=largest.__getitem__)
+    group = groups[closest]
+    known = [record for record in group if _is_known(record)]
+    within = sum(record["normalised_error"] <= 1.0 for record in known)
+    ratios = [r["calculated"] / r["measured"] for r in known if r["measured"]]
+    text = f"{within} of {len(known)} agree" if known else "not compared"
+    if closest:
+        text = f"{closest} closest, {text}"
+    without = dict.fromkeys(
+        r["quantity"].replace("_", " ") for r in known if r["low"] is None and r["high"] is None
+    )
+    notes = [f"normalised error up to {two_digits(largest[closest])}"] * bool(known)
+    notes += [f"calculated/measured {_range_text(ratios)}"] * bool(ratios)
+    notes += [f"{' and '.join(without)} without a band of its own"] * bool(without)
+    notes += [f"{len(group) - len(known)} cannot be compared"] * (len(known) < len(group))
+    notes += [
+        f"{name} up to {two_digits(error)}" for name, error in largest.items() if name != closest
+    ]
+    return [
+        Row(
+            key="measured",
+            label="measured points",
+            value=largest[closest] if known else math.nan,
+            text=text,
+            note=", ".join(notes),
+            is_alarm=True,
+        )
+    ]
+
+
+def _is_known(record: Mapping[str, Any]) -> bool:
+    """Whether a measured value could be compared with a calculated one."""
+    return record["normalised_error"] is not None
+
+
+def _range_text(values: Collection[float]) -> str:
+    """Return the smallest and the largest of some values as text, or the only one."""
+    ends = dict.fromkeys((two_digits(min(values)), two_digits(max(values))))
+    return " to ".join(ends)
 
 
 def scene_file(dataset: "xr.Dataset") -> str:

@@ -1,9 +1,10 @@
-"""Figures of friction curves: functions that several studies share, and a figure for studies without their own.
+"""Figures that several studies share: of friction curves, also for studies without their own, and of measured points.
 
 - Figures are readable in grey: curves differ in lightness, and only the thermal branch is dashed.
 - Texts are above the curves, in space that is reserved for them.
 """
 
+import json
 import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -13,14 +14,19 @@ import numpy as np
 from rollslip.results.curves import Curve, Curves, curve_names, curves, percent
 from rollslip.results.style import (
     MARKER,
+    MM,
+    MODEL_COLOURS,
     ROW,
     SINGLE_COLUMN,
     Sheet,
     axis_label,
     lay_out,
     light_to_dark,
+    unit_label,
 )
+from rollslip.results.text import capitalise
 from rollslip.search import Array
+from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +40,9 @@ __all__ = [
     "annotate_point",
     "draw_curve",
     "finish",
+    "mark_measured",
+    "measured_figure",
+    "measured_values",
     "new_figure",
     "plain_curves",
 ]
@@ -249,3 +258,129 @@ def _notes(shown: Sequence[Curve], width: int) -> str:
         )
         for status, names in without.items()
     )
+
+
+# Measured points ------------------------------------------------------------------------------------------------------
+
+#: Style of a measured value, as in figures of data sets.
+_MEASURED: Final[dict[str, Any]] = {
+    "color": "black",
+    "marker": "D",
+    "markersize": 3.5,
+    "linestyle": "none",
+    "elinewidth": 0.9,
+    "capsize": 2.0,
+    "zorder": 5,
+}
+#: Half of an error bar over the standard uncertainty: 95 % of a normal error.
+_BAR: Final = 1.96
+
+
+def measured_values(
+    dataset: "xr.Dataset", quantity: str, keys: Sequence[str] = ()
+) -> list[dict[str, Any]]:
+    """Return the measured values of a quantity beside a result whose conditions differ from the scene in some keys only.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+    quantity : str
+        Name of the quantity, "cage_slip".
+    keys : sequence of str
+        Keys in which the conditions may differ from the scene.
+    """
+    records: list[dict[str, Any]] = json.loads(dataset.attrs.get("measured", "[]"))
+    first = records[0]["alternative"] if records else ""
+    return [
+        record
+        for record in records
+        if record["quantity"] == quantity
+        and set(record["differing"]) <= set(keys)
+        and record["alternative"] == first
+    ]
+
+
+def mark_measured(sheet: Sheet, x: Any, y: Any, x_error: Any = None, y_error: Any = None) -> None:
+    """Mark measured points in a figure, with bars of 95 %; nothing where there are none.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        The figure.
+    x, y : array
+        The points, in the units of the axes.
+    x_error, y_error : array, optional
+        Standard uncertainties along the axes.
+    """
+    if not len(x):
+        return
+    bars = [None if error is None else _BAR * np.asarray(error) for error in (x_error, y_error)]
+    drawn = sheet.axes.errorbar(x, y, bars[1], bars[0], label="measured, 95 %", **_MEASURED)
+    sheet.handles.append(drawn)
+
+
+def measured_figure(dataset: "xr.Dataset") -> "Figure":
+    """Draw measured values beside a result and those calculated at their conditions, a panel for each quantity."""
+    records: list[dict[str, Any]] = json.loads(dataset.attrs["measured"])
+    quantities = list(dict.fromkeys(record["quantity"] for record in records))
+    sheet = Sheet(
+        (SINGLE_COLUMN[0], 8 * MM + 50 * MM * len(quantities)), len(quantities), squeeze=False
+    )
+    panels = sheet.axes[:, 0]
+    for axes, quantity in zip(panels, quantities, strict=True):
+        of_quantity = [record for record in records if record["quantity"] == quantity]
+        sheet.axes = axes
+        is_first = axes is panels[0]
+        shown = sheet.handles
+        sheet.handles = shown if is_first else []
+        _draw_measured(sheet, quantity, of_quantity)
+        sheet.handles = shown
+    return sheet.done()
+
+
+def _draw_measured(sheet: Sheet, quantity: str, records: Sequence[dict[str, Any]]) -> None:
+    """Draw the measured and calculated values of a quantity over what varies, or over the rows of the table."""
+    axes = sheet.axes
+    alternatives = list(dict.fromkeys(record["alternative"] for record in records))
+    rows = [record for record in records if record["alternative"] == alternatives[0]]
+    x, label = _abscissa(rows)
+    values = np.array([row["measured"] for row in rows])
+    unit = rows[0]["unit"]
+    shown = "%" if "slip" in quantity else shown_unit(float(np.abs(values).max()), unit) or unit
+    sigma = converted(np.array([row["uncertainty"] for row in rows]), unit, shown)
+    mark_measured(sheet, x, converted(values, unit, shown), y_error=sigma)
+    for k, name in enumerate(alternatives):
+        own = [record for record in records if record["alternative"] == name]
+        calculated, low, high = (
+            converted(np.array([np.nan if r[n] is None else r[n] for r in own]), unit, shown)
+            for n in ("calculated", "low", "high")
+        )
+        colour = MODEL_COLOURS[k % len(MODEL_COLOURS)]
+        axes.vlines(x, low, high, color=colour, linewidth=3.0, alpha=0.35)
+        text = "calculated, 5 to 95 % where data scatter"
+        style: dict[str, Any] = {"color": colour, "linestyle": "none", "zorder": 6, **MARKER}
+        sheet.line(x, calculated, f"{name}, {text}" if name else text, **style)
+    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    axes.set_xlabel(label)
+    axes.set_ylabel(f"{_named(quantity)} [{shown if shown == '%' else unit_label(shown)}]")
+
+
+def _abscissa(rows: Sequence[dict[str, Any]]) -> tuple[Any, str]:
+    """Return where rows stand along an axis, and its label: what varies alone, or the number of the row."""
+    varied = [
+        key
+        for key, (_, unit) in rows[0]["conditions"].items()
+        if unit and len({row["conditions"][key][0] for row in rows}) > 1
+    ]
+    if len(varied) != 1:
+        return np.arange(1, len(rows) + 1), "Row of the table"
+    values = np.array([row["conditions"][varied[0]][0] for row in rows])
+    unit = rows[0]["conditions"][varied[0]][1]
+    shown = shown_unit(float(np.abs(values).max()), unit) or unit
+    return converted(values, unit, shown), f"{_named(varied[0])} [{unit_label(shown)}]"
+
+
+def _named(key: str) -> str:
+    """Return the name of a key or of a quantity for an axis."""
+    return capitalise(key.rpartition(".")[2].rpartition("/")[2].replace("_", " "))

@@ -332,6 +332,14 @@ def _drawn(result: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Yield the figures of the account of a result, then the outputs of laws over the slip of its curves."""
     account = account_of(result)
     yield from account.figures(result)
+    if "measured" in result.attrs:
+        from rollslip.results.curve_figures import measured_figure
+
+        yield (
+            f"{account.name}-measured",
+            "Measured values and those calculated at their conditions.",
+            measured_figure(result),
+        )
     if Curves.from_dataset(result) is not None:
         for name, variable in result.data_vars.items():
             if LAW in variable.attrs:

@@ -9,12 +9,12 @@ import csv
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 from zipfile import BadZipFile
 
 import attrs
 
-from rollslip.errors import RollslipError, SceneError
+from rollslip.errors import RollslipError, SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.files import faults_of, readable, text_named
 from rollslip.scene.changes import Quantity, describe_unknown_key, full_key
@@ -23,6 +23,10 @@ from rollslip.units import NUMBER, UnitError, as_written
 from rollslip.units import quantity as in_unit
 
 __all__ = ["Column", "FurtherColumn", "KeyTable", "read_table"]
+
+#: Similarity from which an unknown heading is taken for a misspelt further column, and not for a key. Chosen: one wrong
+#: letter of ten.
+_NEAR: Final = 0.85
 
 
 @attrs.frozen
@@ -187,8 +191,11 @@ def _parse_head(
         matches = [key for key in known if key.endswith(f".{name}")]
         key = matches[0] if len(matches) == 1 else full_key(name)
         if key not in known:
-            names = f"; further columns are {', '.join(further)}" if "." not in name else ""
-            problems.append(f"{place}: {describe_unknown_key(key, dict(known))}{names}")
+            near = nearest(name, further, count=1, cutoff=_NEAR)
+            reason = (
+                f"did you mean {near[0]!r}?" if near else describe_unknown_key(key, dict(known))
+            )
+            problems.append(f"{place}: {as_written(name)}: is no known column; {reason}")
             return None
         quantity = known[key]
         si = quantity.unit

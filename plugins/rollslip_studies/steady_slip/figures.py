@@ -18,6 +18,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import SKIDDING_SLIP
+from rollslip.results.curve_figures import mark_measured, measured_values
 from rollslip.results.dataset import xr
 from rollslip.results.style import (
     DASHES,
@@ -154,6 +155,9 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
         sheet.line(slip, torque, label, **style)
     rows = {row.key: row for row in account_of(dataset).answer(dataset).rows}
     _mark_steady(sheet, dataset, rows["cage_slip"].band)
+    measured, sigma, _ = _measured_slips(dataset, "")
+    drag = np.interp(measured, 100 * dataset["cage_slip"], dataset["drag_torque"])
+    mark_measured(sheet, measured, drag, x_error=sigma)
     acceptable = 100 * float(dataset.attrs.get("acceptable_slip", np.nan))
     if not np.isnan(acceptable):
         axes.axvline(acceptable, **_LIMIT)
@@ -229,6 +233,21 @@ def _mark_steady(sheet: Sheet, dataset: "xr.Dataset", band: tuple[float, float] 
                 zorder=3,
             )
         sheet.mark(100 * slips, torque, label, zorder=4, **style)
+
+
+def _measured_slips(dataset: "xr.Dataset", name: str) -> tuple[Array, Array, Array]:
+    """Return measured cage slips and their standard uncertainties [%], and values of an operating condition [SI].
+
+    All other conditions are those of the scene; with an empty name all are.
+    """
+    key = f"operation.{name}"
+    rows = measured_values(dataset, "cage_slip", [key] * bool(name))
+    here = json.loads(dataset.attrs["scene_resolved"])["operation"].get(name)
+    return (
+        np.array([100.0 * row["measured"] for row in rows]),
+        np.array([100.0 * row["uncertainty"] for row in rows]),
+        np.array([row["conditions"].get(key, [here])[0] for row in rows], dtype=float),
+    )
 
 
 def _window(
@@ -367,9 +386,12 @@ def _over_load(dataset: "xr.Dataset", load: Array, slip: Array) -> "Figure":
     here = json.loads(dataset.attrs["scene_resolved"])["operation"]["radial_load"]
     slip_here = 100 * float(dataset["steady_slip"].to_numpy()[0])
     sheet.mark(converted(here, "N", unit), max(slip_here, _LOWEST_SLIP), "the scene", **MARKER)
+    measured, sigma, loads = _measured_slips(dataset, "radial_load")
+    mark_measured(sheet, converted(loads, "N", unit), measured, y_error=sigma)
+    ends = [*shown[[0, -1]], *converted(loads, "N", unit)]
     plain_decades(axes.xaxis)
     plain_decades(axes.yaxis)
-    axes.set_xlim(shown[0], shown[-1])
+    axes.set_xlim(min(ends), max(ends))
     axes.set_ylim(_LOWEST_SLIP, 100.0)
     _mark_minimum_load(sheet, dataset, unit)
     return sheet.done(
@@ -505,6 +527,10 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
     if fold.any():
         values = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
         sheet.mark(value[fold], slip[fold], f"fold, {values}", zorder=4, **MARKER)
+    measured, sigma, at = _measured_slips(dataset, name)
+    si = str(dataset[name].attrs["units"])
+    shown = shown_unit(float(np.nanmax(np.abs(dataset[name]))), si)
+    mark_measured(sheet, converted(at, si, shown), measured, y_error=sigma)
     axes.set_ylim(bottom=0.0)
     if name == "radial_load" and "makers_minimum_load" in dataset:
         acceptable = 100 * float(dataset.attrs["acceptable_slip"])
