@@ -14,6 +14,7 @@ import time
 from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -311,31 +312,40 @@ def with_measured(
     scene : Scene
         The scene of the run.
     """
+    studies = [study.name for study, _ in points.quantities.values()]
+    target = next((name for name in studies if name in results), next(iter(results)))
+    records = json.dumps(measured_records(points, scene, results))
+    return {**results, target: results[target].assign_attrs(measured=records)}
+
+
+def measured_records(
+    points: "MeasuredPoints",
+    scene: Scene,
+    results: "Mapping[str, xr.Dataset]" = MappingProxyType({}),
+    alternative: str = "",
+) -> list[dict[str, Any]]:
+    """Return measured points and values calculated at their conditions, as plain values.
+
+    Parameters
+    ----------
+    points : MeasuredPoints
+        The measured points.
+    scene : Scene
+        The scene.
+    results : mapping of str to xarray.Dataset
+        Results of the scene with bands, by study, as far as they are known.
+    alternative : str
+        Label of the scene, where several are compared.
+    """
     from rollslip.studies.measured import compare_points
 
     def compute(changed: Scene, study: str) -> "xr.Dataset":
         if study in results and scene_hash(changed) == scene_hash(scene):
             return results[study]
-        return result_with_bands(changed, study)
+        planned = plan(changed, study)
+        return planned.studies[study].with_bands(changed, execute(planned, study))
 
-    studies = [study.name for study, _ in points.quantities.values()]
-    target = next((name for name in studies if name in results), next(iter(results)))
-    records = json.dumps(compare_points(points, scene, compute))
-    return {**results, target: results[target].assign_attrs(measured=records)}
-
-
-def result_with_bands(scene: Scene, study: str) -> "xr.Dataset":
-    """Return the result of a study at a scene, with bands.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    study : str
-        Name of the study.
-    """
-    planned = plan(scene, study)
-    return planned.studies[study].with_bands(scene, execute(planned, study))
+    return compare_points(points, scene, compute, alternative)
 
 
 def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:

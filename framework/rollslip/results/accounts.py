@@ -181,9 +181,14 @@ def answer(*results: "xr.Dataset", scene: str = "", ignored: Collection[str] = (
     assumed += [*merged.assumed, describe_defaults(results)]
     assumed += [oil.get("caution", "") for oil in oils]
     rows = [*merged.rows]
-    rows[1:1] = [row for result in results for row in measured_rows(result)]
+    measured = [row for result in results for row in measured_rows(result)]
+    rows[1:1] = measured
+    summary = merged.summary
+    if merged.table:  # beside a table there may be no room for the row
+        summary = "; ".join([summary, *(f"{row.label}: {row.text}" for row in measured)])
     return attrs.evolve(
         merged,
+        summary=summary,
         rows=tuple(rows),
         case=max(map(describe_case, results), key=len, default=()),
         notes=tuple(note for note in collect_notes(results) if note.code not in ignored),
@@ -223,7 +228,7 @@ def findings(result: "xr.Dataset", topic: str = "") -> list[str]:
 def measured_rows(dataset: "xr.Dataset") -> list[Row]:
     """Return the row on measured points beside a result, as a list; empty where it has none.
 
-    Values agree where their difference is within both expanded uncertainties, so that the normalised error is at most 1.
+    Values agree where their difference is within both expanded uncertainties: the normalised error is at most 1.
     Of several alternatives the one with the smallest of the largest normalised errors is named.
     """
     records: list[dict[str, Any]] = json.loads(dataset.attrs.get("measured", "[]"))
@@ -248,8 +253,8 @@ def measured_rows(dataset: "xr.Dataset") -> list[Row]:
         r["quantity"].replace("_", " ") for r in known if r["low"] is None and r["high"] is None
     )
     notes = [f"normalised error up to {two_digits(largest[closest])}"] * bool(known)
-    notes += [f"calculated/measured {_range_text(ratios)}"] * bool(ratios)
-    notes += [f"{' and '.join(without)} without a band of its own"] * bool(without)
+    notes += [f"ratio {_range_text(ratios)}"] * bool(ratios)
+    notes += [f"{' and '.join(without)} without a band"] * bool(without)
     notes += [f"{len(group) - len(known)} cannot be compared"] * (len(known) < len(group))
     notes += [
         f"{name} up to {two_digits(error)}" for name, error in largest.items() if name != closest

@@ -277,26 +277,26 @@ _BAR: Final = 1.96
 
 
 def measured_values(
-    dataset: "xr.Dataset", quantity: str, keys: Sequence[str] = ()
+    dataset: "xr.Dataset", quantity: str = "", keys: Sequence[str] | None = None
 ) -> list[dict[str, Any]]:
-    """Return the measured values of a quantity beside a result whose conditions differ from the scene in some keys only.
+    """Return the measured values of a quantity beside a result.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The result.
     quantity : str
-        Name of the quantity, "cage_slip".
-    keys : sequence of str
-        Keys in which the conditions may differ from the scene.
+        Name of the quantity, "cage_slip"; empty for all.
+    keys : sequence of str, optional
+        Keys in which the conditions may differ from the scene; by default all.
     """
     records: list[dict[str, Any]] = json.loads(dataset.attrs.get("measured", "[]"))
     first = records[0]["alternative"] if records else ""
     return [
         record
         for record in records
-        if record["quantity"] == quantity
-        and set(record["differing"]) <= set(keys)
+        if record["quantity"] == (quantity or record["quantity"])
+        and (keys is None or set(record["differing"]) <= set(keys))
         and record["alternative"] == first
     ]
 
@@ -348,7 +348,7 @@ def _draw_measured(sheet: Sheet, quantity: str, records: Sequence[dict[str, Any]
     values = np.array([row["measured"] for row in rows])
     unit = rows[0]["unit"]
     shown = "%" if "slip" in quantity else shown_unit(float(np.abs(values).max()), unit) or unit
-    sigma = converted(np.array([row["uncertainty"] for row in rows]), unit, shown)
+    sigma = converted(np.array([row["standard_uncertainty"] for row in rows]), unit, shown)
     mark_measured(sheet, x, converted(values, unit, shown), y_error=sigma)
     for k, name in enumerate(alternatives):
         own = [record for record in records if record["alternative"] == name]

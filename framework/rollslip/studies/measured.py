@@ -7,9 +7,9 @@ A measured value m and a calculated one y are compared by the normalised error o
 
     E_n = |y - m| / sqrt(U_m^2 + U_y^2),
 
-with expanded uncertainties U of 95 %: of the measured value twice its standard uncertainty; of the calculated value that
-of the end of its band, between quantiles of 5 and 95 %, which lies towards the measured one. Both agree within their
-uncertainties where E_n is at most 1. Where a calculated value has no band, U_y is 0, and the result says so.
+with expanded uncertainties U of 95 %: of the measured value twice its standard uncertainty; of the calculated value
+that of the end of its band, between quantiles of 5 and 95 %, which lies towards the measured one. Both agree within
+their uncertainties where E_n is at most 1. Where a calculated value has no band, U_y is 0, and the result says so.
 """
 
 import math
@@ -99,7 +99,7 @@ class MeasuredPoints:
 
 
 def measurables() -> dict[str, tuple[type[Study], Measurable]]:
-    """Return study and variable of each quantity that can be measured; of two studies the first in the list of names."""
+    """Return study and variable of each quantity that can be measured; of two studies the first."""
     found = dict[str, tuple[type[Study], Measurable]]()
     for name in available("study"):
         study: type[Study] = get_class("study", name)
@@ -268,7 +268,7 @@ def compare_points(
                     if not _is_same(value, _nested(own, key))
                 ],
                 "measured": point.value,
-                "uncertainty": point.uncertainty,
+                "standard_uncertainty": point.uncertainty,
                 "calculated": or_none(calculated),
                 "low": or_none(low),
                 "high": or_none(high),

@@ -58,6 +58,12 @@ class CaseSettings(OfPoints):
         positional=True,
         details="A file .csv or .xlsx, or a pandas.DataFrame.",
     )
+    measured: Any = setting(
+        "Table of measured points, csv or xlsx, to compare with.",
+        value_type=Path,
+        metavar="FILE",
+        details="Or a pandas.DataFrame; see `rollslip.run`.",
+    )
 
     def plan(self) -> "CasePlan":
         """Read the table and plan its cases."""

@@ -4,6 +4,7 @@ A case has the verdict of its values: slip, reserve, film parameter and viscosit
 are not computed, because they take as long as the case itself: so a verdict here is never worse than that of a run.
 """
 
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -11,10 +12,12 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
+from rollslip.planning.execution import measured_records, read_measured
 from rollslip.planning.progress import ProgressReporter
 from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
 from rollslip.scene.changes import evolve
+from rollslip.studies.measured import MeasuredPoints
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.quantities import quantities
 from rollslip.studies.rating_life.largest_load import basic_life
@@ -58,10 +61,13 @@ class CasePlan:
         The table.
     sweep : Sweep
         The sweep whose points are its rows.
+    measured : MeasuredPoints or None
+        Measured points to compare with.
     """
 
     table: CaseTable
     sweep: Sweep
+    measured: MeasuredPoints | None = None
 
     @property
     def unusual(self) -> tuple[str, ...]:
@@ -83,6 +89,7 @@ def plan_cases(requested: CaseSettings) -> CasePlan:
     given = requested.base_scene
     base, assembly = assemble_varied(without_tables(given), {})
     table = read_cases(requested.table, quantities(assembly, settings(base, STUDY)))
+    measured = None if requested.measured is None else read_measured(requested.measured, assembly)
     sweep = sweep_of_design(
         base,
         STUDY,
@@ -93,7 +100,7 @@ def plan_cases(requested: CaseSettings) -> CasePlan:
     )
     sweep = with_engine(sweep, requested.engine, requested.time_limit)
     requested_engine(sweep)  # an unusable engine is refused here
-    return CasePlan(table, sweep)
+    return CasePlan(table, sweep, measured)
 
 
 def run_cases(
@@ -115,6 +122,8 @@ def run_cases(
     points = Points.in_folder(made.sweep, folder, message, lambda now: show(*now.summary))
     points.compute()
     dataset = _result(made, points.collect())
+    if made.measured is not None:
+        dataset.attrs["measured"] = json.dumps(measured_records(made.measured, made.sweep.scene))
     save(dataset, folder / "cases.nc")
     return dataset
 

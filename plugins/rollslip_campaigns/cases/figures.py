@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rollslip.results.answer import COLOURS, Verdict
+from rollslip.results.curve_figures import mark_measured, measured_values
 from rollslip.results.dataset import xr
 from rollslip.results.style import Sheet, unit_label
 from rollslip.results.text import capitalise, short_label
@@ -23,6 +24,8 @@ _LARGEST_AREA: Final = 300.0
 _SMALLEST_AREA: Final = 8.0
 #: Quantities of the axes, if they vary: those over which engineers read a duty.
 _PREFERRED: Final = ("operation.inner_speed", "operation.radial_load")
+#: Variable that may be along an axis -> the measured quantity.
+_MEASURED: Final = {"slip": "cage_slip", "friction_torque": "friction_torque"}
 
 
 def case_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -59,15 +62,45 @@ def draw_cases(dataset: "xr.Dataset") -> "Figure":
                 edgecolor="black", linewidth=0.4,
             )  # fmt: skip
             sheet.key(str(verdict), marker="o", linestyle="none", color=colour)
+    _mark_measured(sheet, dataset, x, y)
     return sheet.done(x_label, y_label, columns=len(sheet.handles))
+
+
+def _mark_measured(sheet: Sheet, dataset: "xr.Dataset", *axes: "xr.DataArray") -> None:
+    """Mark the measured points whose table has the quantities of both axes; an output has bars."""
+    quantity = next((_MEASURED[str(axis.name)] for axis in axes if axis.name in _MEASURED), "")
+    rows = measured_values(dataset, quantity)
+    columns = list[Any]()
+    errors = list[Any]()
+    for axis in axes:
+        unit = str(axis.attrs["units"])
+        key = str(axis.attrs.get("key", ""))
+        sigma = None
+        if axis.name in _MEASURED:
+            values = [row["measured"] for row in rows]
+            sigma = converted(
+                np.array([row["standard_uncertainty"] for row in rows]), unit, _unit(axis)
+            )
+        elif rows and key in rows[0]["conditions"]:
+            values = [row["conditions"][key][0] for row in rows]
+        else:
+            return
+        columns.append(converted(np.array(values), unit, _unit(axis)))
+        errors.append(sigma)
+    mark_measured(sheet, *columns, *errors)
+
+
+def _unit(values: "xr.DataArray") -> str:
+    """Return the usual unit of values."""
+    if values.name == "slip":
+        return "%"
+    unit = str(values.attrs["units"])
+    return shown_unit(float(np.nanmax(np.abs(values.to_numpy()))), unit) or unit
 
 
 def _shown(values: "xr.DataArray") -> tuple[Any, str]:
     """Return values in the usual unit, and the label of their axis."""
-    unit = str(values.attrs["units"])
-    numbers = values.to_numpy()
-    shown = shown_unit(float(np.nanmax(np.abs(numbers))), unit) or unit
-    if values.name == "slip":
-        shown = "%"
+    shown = _unit(values)
     name = short_label(str(values.attrs.get("key", values.name))).replace("_", " ")
-    return converted(numbers, unit, shown), f"{capitalise(name)} [{unit_label(shown)}]"
+    numbers = converted(values.to_numpy(), str(values.attrs["units"]), shown)
+    return numbers, f"{capitalise(name)} [{unit_label(shown)}]"

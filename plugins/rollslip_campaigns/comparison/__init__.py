@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import ProgressReporter
+    from rollslip.studies.measured import MeasuredPoints
     from rollslip_campaigns.comparison.alternatives import Alternatives
     from rollslip_campaigns.comparison.comparison import Comparison
 
@@ -99,6 +100,12 @@ class ComparisonSettings(OfScene):
     inner_ring: Sequence[str] | str = setting(
         "Flexible inner rings to choose from.", default=(), metavar="A,B", repeatable=True
     )
+    measured: Any = setting(
+        "Table of measured points, csv or xlsx, to compare all with.",
+        value_type=Path,
+        metavar="FILE",
+        details="Or a pandas.DataFrame; see `rollslip.run`.",
+    )
 
     @property
     def _of_scenes(self) -> bool:
@@ -113,6 +120,16 @@ class ComparisonSettings(OfScene):
                 self.inner_ring,
             )
         )
+
+    @property
+    def measured_points(self) -> "MeasuredPoints | None":
+        """The measured points, read from their table; None without a table."""
+        if self.measured is None:
+            return None
+        from rollslip.bearing.assembly import assemble
+        from rollslip.planning.execution import read_measured
+
+        return read_measured(self.measured, assemble(self.base_scene))
 
     def plan(self) -> "Comparison | Alternatives":
         """Return the combinations or alternatives, after a check of all names."""

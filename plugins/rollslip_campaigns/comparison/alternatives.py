@@ -21,7 +21,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
-from rollslip.planning.execution import run
+from rollslip.planning.execution import measured_records, run
 from rollslip.planning.progress import ProgressReporter
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.accounts import answer
@@ -30,6 +30,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved, scene_hash
+from rollslip.studies.measured import MeasuredPoints
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_studies.steady_slip.study import SteadySlip
 
@@ -91,12 +92,15 @@ class Alternatives:
         Changed scenes by label.
     refused : mapping
         Reasons why other combinations cannot run, by label.
+    measured : MeasuredPoints or None
+        Measured points to compare with.
     """
 
     scene: Scene
     keys: tuple[str, ...]
     scenes: Mapping[str, Scene]
     refused: Mapping[str, str]
+    measured: MeasuredPoints | None = None
 
     @property
     def unusual(self) -> list[str]:
@@ -139,7 +143,11 @@ def plan_alternatives(requested: "ComparisonSettings") -> Alternatives:
             or [f"{next(iter(named))}: name two at least, with commas between, to compare them"]
         )
     return Alternatives(
-        requested.base_scene, tuple(KEYS[option] for option in named), scenes, refused
+        requested.base_scene,
+        tuple(KEYS[option] for option in named),
+        scenes,
+        refused,
+        requested.measured_points,
     )
 
 
@@ -175,6 +183,12 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
     bands = _ratio_bands(order, done, plan.keys)
     rows = [_values(answers[label], band) for label, band in zip(order, bands, strict=True)]
     rows += [{"message": reason} for reason in failed.values()]
+    measured = list[dict[str, Any]]()
+    if plan.measured is not None:
+        for label in order:
+            measured += measured_records(
+                plan.measured, plan.scenes[label], done[label].complete(), label
+            )
     dim = "alternative"
     runs = [result.attrs for result in done.values()]
     return xr.Dataset(
@@ -196,7 +210,8 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
             warnings=[],
             evaluations=sum(int(attributes["evaluations"]) for attributes in runs),
             wall_time=time.perf_counter() - start,
-        ),
+        )
+        | ({"measured": json.dumps(measured)} if measured else {}),
     )
 
 

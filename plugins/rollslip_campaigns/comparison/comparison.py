@@ -10,6 +10,7 @@
 """
 
 import itertools
+import json
 import time
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
@@ -30,7 +31,7 @@ from rollslip.errors import (
     nearest,
 )
 from rollslip.planning.campaign import listed
-from rollslip.planning.execution import execute
+from rollslip.planning.execution import execute, measured_records
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.curves import Curves
@@ -39,6 +40,7 @@ from rollslip.results.text import collect_warnings, duration_range
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import raise_problem_if, resolved, scene_hash
+from rollslip.studies.measured import MeasuredPoints
 from rollslip.studies.study import study_class
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import (
@@ -85,6 +87,8 @@ class Comparison:
         Label of the reference.
     named : bool
         Whether the user named a reference, so that differences are errors.
+    measured : MeasuredPoints or None
+        Measured points to compare with.
     """
 
     scene: Scene
@@ -92,6 +96,7 @@ class Comparison:
     combinations: Mapping[str, Combination]
     reference: str
     named: bool
+    measured: MeasuredPoints | None = None
 
     @property
     def curves(self) -> Curves:
@@ -186,6 +191,7 @@ def plan_comparison(requested: "ComparisonSettings") -> Comparison:
         combinations=_with_equal_resolution(study, combinations),
         reference=labels[-1],
         named=requested.reference is not None,
+        measured=requested.measured_points,
     )
 
 
@@ -351,6 +357,11 @@ def run_comparison(
         dataset = dataset.assign_attrs(
             sorted_by="" if law is None else law.name, sorted_by_own=int(own)
         )
+    measured = list[dict[str, Any]]()
+    if comparison.measured is not None:
+        for label in done:
+            measured += measured_records(comparison.measured, plans[label].scene, alternative=label)
+    dataset.attrs |= {"measured": json.dumps(measured)} if measured else {}
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - start))
 
 

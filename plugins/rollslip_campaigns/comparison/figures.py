@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from rollslip.results.curve_figures import measured_values
 from rollslip.results.curves import curve_names, curves
 from rollslip.results.dataset import xr
 from rollslip.results.style import (
@@ -68,6 +69,12 @@ def _slips(dataset: "xr.Dataset") -> "Figure":
         linestyle="none",
         **MARKER,
     )
+    for row in measured_values(dataset, "cage_slip", ()):
+        at = 100.0 * row["measured"]
+        sigma = 100.0 * row["standard_uncertainty"]
+        axes.axvspan(at - 2.0 * sigma, at + 2.0 * sigma, color="0.5", alpha=0.25, linewidth=0.0)
+        axes.axvline(at, color="black", linewidth=0.9)
+        sheet.key(f"measured, {at:.3g} %, and 95 %", color="black", linewidth=0.9)
     if acceptable := float(dataset.attrs.get("acceptable_slip", 0.0)):
         style: dict[str, Any] = {"color": "0.35", "linewidth": 0.8, "linestyle": DASHES[2]}
         axes.axvline(100 * acceptable, **style)

@@ -245,7 +245,7 @@ def _measured_slips(dataset: "xr.Dataset", name: str) -> tuple[Array, Array, Arr
     here = json.loads(dataset.attrs["scene_resolved"])["operation"].get(name)
     return (
         np.array([100.0 * row["measured"] for row in rows]),
-        np.array([100.0 * row["uncertainty"] for row in rows]),
+        np.array([100.0 * row["standard_uncertainty"] for row in rows]),
         np.array([row["conditions"].get(key, [here])[0] for row in rows], dtype=float),
     )
 
