@@ -157,3 +157,19 @@ def test_a_name_that_there_is_not_is_a_mistake_as_any_other():
     for option, value in (("--oil", "iso-vg-68,nope"), ("--clearance-class", "CN,C9")):
         done = CliRunner().invoke(cli, ["compare", "gearbox", option, value])
         assert isinstance(done.exception, SceneError), done.output
+
+
+def test_measured_points_stand_beside_each_alternative(tmp_path):
+    table = tmp_path / "slip.csv"
+    table.write_text("cage_slip [%], cage_slip_uncertainty [%]\n2, 0.1\n", encoding="utf-8")
+    found = rollslip.compare(SCENE, oil="iso-vg-68, iso-vg-220", measured=table)
+    records = json.loads(found.attrs["measured"])
+    assert [record["alternative"] for record in records] == found.alternative.values.tolist()
+    assert [record["calculated"] for record in records] == found.cage_slip.values.tolist()
+    row = rollslip.answer(found)["measured"]
+    closest = min(records, key=lambda record: record["normalised_error"])
+    assert row.text == f"{closest['alternative']} closest, 1 of 1 agree"
+    figures = rollslip.plot(found)
+    assert list(figures) == ["compare", "alternatives-measured"]
+    labels = [text.get_text() for text in figures["compare"].legends[0].get_texts()]
+    assert "measured, 2 %, and 95 %" in labels

@@ -240,3 +240,34 @@ def test_the_command_opens_with_the_time_and_the_worst_case(tmp_path, monkeypatc
     assert record["worst_case"] == 1
     assert sum(record["time_by_verdict"].values()) == pytest.approx(1.0)
     assert record["answer"]["summary"].partition("; ")[2].startswith("worst is case 1, slip")
+
+
+def test_measured_points_stand_beside_the_cases(tmp_path):
+    points = written(
+        tmp_path,
+        "radial_load [kN], inner_speed [rpm], cage_slip [%], cage_slip_uncertainty [%]",
+        "10, 3000, 2, 0.5",
+        name="points.csv",
+    )
+    table = written(tmp_path, "radial_load [kN], inner_speed [rpm]", "10, 3000", "20, 6000")
+    cases = rollslip.cases(SCATTERED, table, measured=points, engine="serial")
+    [record] = json.loads(cases.attrs["measured"])
+    assert record["calculated"] == pytest.approx(cases["slip"][0].item(), rel=0.02)
+    assert "; measured points: " in answer(cases).summary
+    [bars] = draw_cases(cases).axes[0].containers
+    np.testing.assert_allclose(bars.lines[0].get_xydata(), [[3000.0, 10.0]])
+    bad = written(tmp_path, "cage_slip [%]", "1", name="bad.csv")
+    with pytest.raises(SceneError, match="its standard uncertainty is missing"):
+        plan_cases(CaseSettings(SCATTERED, table, measured=bad))
+
+
+def test_measured_slips_have_bars_along_an_axis_of_slips(found):
+    record = {
+        "alternative": "", "quantity": "cage_slip", "unit": "1", "differing": [],
+        "conditions": {"operation.radial_load": [1e4, "N"]}, "measured": 0.02, "standard_uncertainty": 0.005,
+    }  # fmt: skip
+    over_load = found.drop_vars("inner_speed").assign_attrs(measured=json.dumps([record]))
+    [bars] = draw_cases(over_load).axes[0].containers
+    assert bars.lines[0].get_xydata()[0].tolist() == pytest.approx([10.0, 2.0])
+    [[low, high]] = bars.lines[2][0].get_segments()
+    assert high[1] - low[1] == pytest.approx(2.0 * 1.96 * 0.5)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import rollslip
+from coarse import coarse
 from rollslip import compare, evolve, get_model, load_scene, open_result
 from rollslip.catalogue import discovery
 from rollslip.cli import main
@@ -899,3 +900,19 @@ def test_slices_are_sorted_by_the_limits_that_are_told():
             f"where 0.1 < {symbol} <= 1",
             f"where {symbol} > 1",
         )
+
+
+def test_measured_points_stand_beside_each_combination(tmp_path):
+    table = tmp_path / "slip.csv"
+    table.write_text("cage_slip [%], cage_slip_uncertainty [%]\n2, 0.1\n", encoding="utf-8")
+    scene = coarse("gearbox", {"accuracy.slices": 3})
+    found = rollslip.compare(
+        scene, traction=["muraki", "eyring"], study="friction-curve", measured=table
+    )
+    records = json.loads(found.attrs["measured"])
+    assert [record["alternative"] for record in records] == ["muraki", "eyring"]
+    for record in records:
+        law = {"models.traction.hydrodynamic": record["alternative"]}
+        alone = rollslip.run(rollslip.evolve(scene, law), "steady-slip")
+        assert record["calculated"] == pytest.approx(float(alone.steady_slip[0]), rel=0.01)
+    assert rollslip.answer(found)["measured"].text.endswith(" closest, 1 of 1 agree")

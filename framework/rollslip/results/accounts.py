@@ -253,7 +253,8 @@ def measured_rows(dataset: "xr.Dataset") -> list[Row]:
         r["quantity"].replace("_", " ") for r in known if r["low"] is None and r["high"] is None
     )
     notes = [f"normalised error up to {two_digits(largest[closest])}"] * bool(known)
-    notes += [f"ratio {_range_text(ratios)}"] * bool(ratios)
+    if ratios:
+        notes.append(f"ratio {_range_text(ratios)}")
     notes += [f"{' and '.join(without)} without a band"] * bool(without)
     notes += [f"{len(group) - len(known)} cannot be compared"] * (len(known) < len(group))
     notes += [
