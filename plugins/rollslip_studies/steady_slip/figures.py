@@ -357,7 +357,7 @@ def _shifted(loads: Array, slips: Array, known: Mapping[float, float]) -> Array:
     log = np.log(loads)
     odds = np.log(np.clip(slips, *_SHIFTED_SLIPS) / (1.0 - np.clip(slips, *_SHIFTED_SLIPS)))
     at = np.array(sorted(known))
-    right = np.array([known[load] for load in at.tolist()])
+    right = np.clip([known[load] for load in at.tolist()], *_SHIFTED_SLIPS)
     model_log = np.interp(-np.log(right / (1.0 - right)), -odds, log)
     shift = np.interp(log, np.log(at), model_log - np.log(at))
     return np.asarray(1.0 / (1.0 + np.exp(-np.interp(log + shift, log, odds))))
