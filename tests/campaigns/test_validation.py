@@ -248,7 +248,7 @@ def test_samples_of_an_oil_beyond_its_models_are_counted_and_rows_share_the_time
         1 / len(series.rows)
     )
 
-    def contacts(problem, oil, column):
+    def contacts(problem, oil, column, law):
         if oil is None:
             raise DomainError("beyond")
         return np.ones(len(series.rows))

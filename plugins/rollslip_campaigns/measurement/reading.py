@@ -18,7 +18,7 @@ import attrs
 from rollslip.errors import SceneError, did_you_mean, nearest
 from rollslip.files import faults_of, readable, text_named
 from rollslip.references import Reference
-from rollslip.scene.changes import evolve
+from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, raise_problem_if, structure
@@ -26,6 +26,7 @@ from rollslip.toml import as_table, parse
 from rollslip.units import NUMBER, UnitError, as_written, check_unit, quantity
 from rollslip_campaigns.measurement.rig import (
     FilmRow,
+    ResistanceRow,
     Rig,
     RigData,
     TractionRow,
@@ -55,6 +56,11 @@ FILE: Final = "measurement.toml"
 MEASURED = "measured"
 #: Column of its standard uncertainty.
 UNCERTAINTY = "uncertainty"
+#: Rows of a quantity of a contact, where they are not those of traction.
+_CONTACT_ROWS: Final[Mapping[str, type]] = {
+    "film-thickness": FilmRow,
+    "rolling-resistance": ResistanceRow,
+}
 #: A variable of a study: STUDY/VARIABLE.
 _STUDY_VARIABLE: Final = re.compile(r"[\w-]+/\w+", re.ASCII)
 #: How the values of a form are read, which has none yet.
@@ -122,6 +128,9 @@ class _Reader:
             by=table.source.by,
             licence=table.source.licence,
             recipe=table.source.recipe,
+            measured=table.source.read != "computed"
+            if table.source.measured is None
+            else table.source.measured,
             estimated=FrozenTable(dict(table.estimated)),
             series=tuple(each for each in series if each is not None),
             statements=tuple(each for each in statements if each is not None),
@@ -343,7 +352,7 @@ class _Reader:
         if rig is not None and self.table.source.read == _TO_READ:  # a form has no values yet
             self._try(lambda: self._file(table.data, where.at("data")))
             return Series(rows=(), **common)
-        row = FilmRow if table.quantity == "film-thickness" else TractionRow
+        row = _CONTACT_ROWS.get(table.quantity, TractionRow)
         data: RigData | None = self._try(
             lambda: read_data(self._file(table.data, where.at("data")), row)
         )
@@ -571,7 +580,9 @@ def _header_problems(header: list[tuple[str, str]], unit: str, where: str) -> It
 
 
 def _scene_value(cell: str, unit: str) -> object:
-    """Return the value of a cell as a scene takes it."""
+    """Return the value of a cell as a scene takes it; a list is written as in TOML."""
+    if cell.startswith("["):
+        return parse_set(f"{MEASURED}={cell}")[1]
     if not unit:
         return int(cell) if re.fullmatch(r"\d+", cell) else cell
     return float(cell) if unit == "1" else f"{cell} {unit}"

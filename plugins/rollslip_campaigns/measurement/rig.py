@@ -35,6 +35,7 @@ from rollslip.toml import parse
 __all__ = [
     "EXAMPLE",
     "FilmRow",
+    "ResistanceRow",
     "Rig",
     "RigContact",
     "RigData",
@@ -129,6 +130,16 @@ class FilmRow(_ContactRow):
     )
 
 
+@attrs.frozen(kw_only=True)
+class ResistanceRow(_ContactRow):
+    """One row of a file of rolling resistance; its fields are the columns that a file may have."""
+
+    rolling_resistance: float = _column("N/m", "rolling resistance per length")
+    rolling_resistance_uncertainty: float | None = _column(
+        "N/m", "standard uncertainty of the rolling resistance", required=False
+    )
+
+
 #: Columns of the load, of which a file has one.
 _LOADS: Final = ("load", "load_per_length", "mean_pressure", "max_pressure")
 
@@ -196,7 +207,7 @@ def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
     path : str or path
         The file.
     row : type
-        `TractionRow` or `FilmRow`; its fields are the columns, in any order.
+        `TractionRow`, `FilmRow` or `ResistanceRow`; its fields are the columns, in any order.
 
     Raises
     ------

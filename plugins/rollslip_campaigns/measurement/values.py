@@ -20,7 +20,13 @@ from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable
 from rollslip.units import format_quantity
-from rollslip_campaigns.measurement.rig import FilmRow, Rig, RigData, TractionRow
+from rollslip_campaigns.measurement.rig import (
+    FilmRow,
+    ResistanceRow,
+    Rig,
+    RigData,
+    TractionRow,
+)
 
 __all__ = [
     "EXPECTED",
@@ -45,7 +51,7 @@ __all__ = [
 
 @attrs.frozen
 class Quantity:
-    """Quantity that can be measured: SI unit, description, and whether it is of a bearing or of a contact."""
+    """Quantity that can be measured: SI unit, description, and whether it is of a bearing, a contact or an oil."""
 
     unit: str
     doc: str
@@ -69,10 +75,21 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
         "largest-cage-slip": Quantity("1", "cage slip of steady operation, the largest that lasts"),
         "friction": Quantity("1", "traction coefficient of a contact", "contact"),
         "film-thickness": Quantity("m", "film thickness of a contact", "contact"),
+        "rolling-resistance": Quantity(
+            "N/m",
+            "rolling resistance of a contact per length, by the drag that at.law names",
+            "contact",
+        ),
+        "pressure-viscosity": Quantity(
+            "1/Pa",
+            "pressure-viscosity coefficient of the oil of the scene: ln(eta/eta0)/p at at.pressure, without it at no "
+            "pressure",
+            "oil",
+        ),
     }
 )
 #: How values came from their source into the file.
-READ: Final = ("printed", "digitised", "computed", "recalled", "to be digitised")
+READ: Final = ("printed", "digitised", "computed", "recalled", "recorded", "to be digitised")
 #: First words of the description of a data set without numbers.
 FORM: Final = "A FORM without numbers, no measurement yet"
 #: What a statement may expect of the values along its steps.
@@ -101,6 +118,10 @@ class SourceTable:
     by: str = _text("who read them, where they are digitised", "")
     licence: str = _text(LICENCES)
     recipe: str = _text("how to get what is not here", "")
+    measured: bool | None = field(
+        doc="whether the values were measured, and not computed by others; by default unless they are read as computed",
+        default=None,
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -196,6 +217,7 @@ class Row:
         return ", ".join(
             f"{key.rpartition('.')[2].replace('_', ' ')} {_format_condition(key, value)}"
             for key, value in self.changes.items()
+            if not isinstance(value, tuple)
         )
 
 
@@ -210,7 +232,7 @@ def _format_condition(key: str, value: object) -> object:
 #: SI units of the columns of rigs.
 _RIG_UNITS: Final = {
     attribute.name: attribute.metadata["unit"]
-    for row in (TractionRow, FilmRow)
+    for row in (TractionRow, FilmRow, ResistanceRow)
     for attribute in attrs.fields(row)
 }
 
@@ -266,6 +288,8 @@ class Measurement:
         Publications of the values.
     read, by, licence, recipe : str
         How the values were read, by whom, their licence, and how to get what is not included.
+    measured : bool
+        Whether the values were measured, and not computed by others.
     estimated : mapping
         Reasons for the values of keys of the scene that the source does not state, by key.
     series : tuple of Series
@@ -283,6 +307,7 @@ class Measurement:
     by: str = ""
     licence: str
     recipe: str = ""
+    measured: bool = False
     estimated: FrozenTable = attrs.field(factory=FrozenTable)
     series: tuple[Series, ...] = ()
     statements: tuple[Statement, ...] = ()

@@ -1,4 +1,4 @@
-"""Compute a measured quantity by models: as a variable of a study.
+"""Compute a measured quantity by models: as a variable of a study, or as a property of the oil.
 
 - Points are computed as those of a sweep: by the same reading, assembly and study as ``rollslip run``, and a point that
   fails raises nothing.
@@ -8,28 +8,36 @@
 
 import json
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
+import attrs
 import numpy as np
 
-from rollslip.catalogue.discovery import available, get_class
-from rollslip.errors import SceneError, did_you_mean, nearest
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import RollslipError, SceneError, did_you_mean, nearest
 from rollslip.results.text import Status
+from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import raise_problem_if
 from rollslip.studies.answers import Measurable
+from rollslip.studies.measured import measurables
 from rollslip.studies.study import Study, study_class
+from rollslip.units import quantity as in_unit
 from rollslip_campaigns.sweep.definition import SweepWork
 from rollslip_campaigns.sweep.journal import Row as PointRow
 from rollslip_campaigns.sweep.point import compute, unpack_values
 from rollslip_campaigns.validation.residuals import Value
+from rollslip_kernels.slices import Conditions
 
 __all__ = ["observe"]
 
 #: Reductions over a dimension that may be named instead of one of its coordinates.
 EXTREMES: Final[Mapping[object, Callable[[Array], Any]]] = {"smallest": np.min, "largest": np.max}
+#: Quantity of the oil of a scene.
+_OF_OIL: Final = "pressure-viscosity"
 #: Variable that says which steady slips are stable.
 _STABLE: Final = "stable"
 
@@ -38,11 +46,11 @@ def _measurable(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
     """Return the study that gives a quantity, and its variable with the reading of it."""
     name, separator, variable = quantity.partition("/")
     if not separator:
-        for study_name in available("study"):
-            study: type[Study] = get_class("study", study_name)
-            if quantity in study.measured:
-                return study, study.measured[quantity]
-        raise SceneError([f"no study that is installed gives the quantity {quantity!r}"])
+        known = measurables()
+        raise_problem_if(
+            quantity not in known, f"no study that is installed gives the quantity {quantity!r}"
+        )
+        return known[quantity]
     study = study_class(name, scene)
     if variable not in study.outputs:
         hint = did_you_mean(
@@ -73,6 +81,8 @@ def observe(
     list of Value
         One for each point; infinite beyond the range of the study, NaN with a reason where there is none.
     """
+    if quantity == _OF_OIL:
+        return [_pressure_viscosity(scene, changes, at) for changes in points]
     study, measurable = _measurable(quantity, scene)
     status = study.outputs[measurable.variable].status
     outputs = [measurable.variable, status]
@@ -86,6 +96,26 @@ def observe(
     )
     rows = compute(work, [(k, changes) for k, changes in enumerate(points)]).rows
     return [_value(measurable, status, at, row) for row in sorted(rows, key=lambda row: row.number)]
+
+
+def _pressure_viscosity(
+    scene: Scene, changes: Mapping[str, object], at: Mapping[str, object]
+) -> Value:
+    """Return ln(eta/eta0)/p [1/Pa] of the oil of a changed scene at its temperature; at no pressure the limit of it."""
+    start = time.perf_counter()
+    pressure = in_unit(at["pressure"], "Pa") if "pressure" in at else 0.0
+    try:
+        changed = evolve(scene, changes, si=True)
+        oil = assemble(changed).lubricant
+        state = oil.at(changed.operation.temperature)
+        value = state.pressure_viscosity
+        if pressure > 0.0:
+            conditions = Conditions(**attrs.asdict(state))
+            viscosity, _ = oil.pressure_viscosity_law.at(conditions, pressure)
+            value = math.log(float(viscosity) / state.viscosity) / pressure
+    except RollslipError as error:
+        return Value(math.nan, str(error).splitlines()[0], time.perf_counter() - start)
+    return Value(value, "", time.perf_counter() - start)
 
 
 def _value(

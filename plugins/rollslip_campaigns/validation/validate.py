@@ -21,6 +21,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.chain import Chain
 from rollslip.catalogue.discovery import available, find, get_class
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
@@ -332,21 +333,22 @@ def _contact_values(
     """Return the values of the rows of a rig, samples with the scatter of the oil (samples, rows), and a note."""
     column = series.quantity.replace("-", "_")
     data = series.data
-    if column == "film_thickness":  # else the measured film would replace the model
+    if column != "friction":  # a measured film would replace the model
         columns = {name: values for name, values in data.columns.items() if name != column}
         data = attrs.evolve(data, columns=columns | {"slide_roll_ratio": np.zeros(len(data))})
     start = time.perf_counter()
     problem = rig_problem(
         data, series.rig, combination.models.get("traction"), _film_model(series, combination)
     )
-    nominal = _contact_column(problem, problem.lubricant, column)
+    law = _resistance_law(series.at) if column == "rolling_resistance" else None
+    nominal = _contact_column(problem, problem.lubricant, column, law)
     seconds = (time.perf_counter() - start) / len(data)
     oils, note = _sample_oils(problem.lubricant, plan)
     failed = 0
     sampled = []
     for oil in oils:
         try:
-            sampled.append(_contact_column(problem, oil, column))
+            sampled.append(_contact_column(problem, oil, column, law))
         except (DomainError, FieldError):
             failed += 1
             sampled.append(np.full(len(data), math.nan))
@@ -373,13 +375,26 @@ def _film_model(series: ContactSeries, combination: Combination) -> dict[str, ob
     return {"model": name, **parameters, "thickness": series.at["location"]}
 
 
-def _contact_column(problem: RigProblem, oil: Lubricant, column: str) -> Array:
-    """Return friction, or else film thickness [m], of all rows with an oil, (rows,)."""
+def _resistance_law(at: Mapping[str, object]) -> Chain:
+    """Return the drag that a series of rolling resistance names as ``law``, with its parameters."""
+    raise_problem_if(
+        "law" not in at, "rolling-resistance: name the drag, such as at = { law = 'NAME' }"
+    )
+    parameters = {name: value for name, value in at.items() if name != "law"}
+    return Chain(get_model("drag", str(at["law"]), **parameters))
+
+
+def _contact_column(
+    problem: RigProblem, oil: Lubricant, column: str, law: Chain | None = None
+) -> Array:
+    """Return friction, film thickness [m] or, by a law, rolling resistance [N/m] of all rows with an oil, (rows,)."""
     values = np.array(problem.friction(oil, problem.chain))
-    if column == "friction":
-        return values
     for _, rows, slices in problem.tables:
-        values[rows] = slices.film_thickness
+        if law is not None:
+            law(slices)
+            values[rows] = slices.resistance
+        elif column == "film_thickness":
+            values[rows] = slices.film_thickness
     return values
 
 
@@ -539,6 +554,7 @@ def _dataset(
                 "source": measurement.source,
                 "estimated": dict(measurement.estimated),
                 "form": measurement.is_form,
+                "measured": measurement.measured,
             }
             for measurement in plan.sets
         },
