@@ -147,28 +147,27 @@ class ValidationAccount(Account):
     def answer(dataset: "xr.Dataset") -> Answer:
         """Return the numbers of statements that hold and of values inside, and those that disagree first."""
         counts = [_count_verdicts(dataset, name) for name in models_of(dataset)]
-        ratios = dataset["ratio"].to_numpy()[np.isfinite(dataset["ratio"].to_numpy())]
-        summary = counts[0].removeprefix("models as stated: ").partition(", a value takes")[0]
-        if ratios.size:
-            low, median, high = (two_digits(float(np.quantile(ratios, q))) for q in (0.0, 0.5, 1.0))
-            summary += f"; calculated over measured {median} in the median, {low} to {high}"
+        sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
+        rows = sorted(
+            rows_along(dataset, "row"),
+            key=lambda row: not sets[str(row["row_data_set"])].get("measured"),
+        )
         body = [
             (
                 row["row_condition"],
                 f"{row['ratio']:.2f}" if math.isfinite(row["ratio"]) else "-",
                 row["row_verdict"],
             )
-            for row in rows_along(dataset, "row")
+            for row in rows
         ]
         body += [
             (row["statement_text"], "", row["statement_verdict"])
             for row in rows_along(dataset, "statement")
         ]
-        sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
         estimated = sum(len(about["estimated"]) for about in sets.values() if not about["form"])
         body.sort(key=lambda cells: cells[-1] in (INSIDE, CONFIRMED))
         return Answer(
-            summary=summary,
+            summary=_describe_nearness(dataset),
             rows=tuple(
                 Row(key=name, label=name, text="", note=text.partition(": ")[2])
                 for name, text in zip(models_of(dataset)[1:], counts[1:], strict=True)
@@ -220,6 +219,52 @@ class ValidationAccount(Account):
         if chi2 := chi_square_cells(dataset):
             tables.append(Table("All rows of a series together", CHI_SQUARE, chi2))
         return tables
+
+
+def _describe_nearness(dataset: "xr.Dataset") -> str:
+    """Return how near the models of the data sets come to values that were measured, or computed by others."""
+    sets: dict[str, Any] = json.loads(dataset.attrs["data_sets"])
+    own = models_of(dataset)[:1]
+    rows = [row for row in rows_along(dataset, "row") if row["row_models"] in own]
+    measured = [row for row in rows if sets[str(row["row_data_set"])].get("measured")]
+    computed = [row for row in rows if row not in measured]
+    parts = list[str]()
+    if measured:
+        quantities = dict.fromkeys(row["row_quantity"] for row in measured)
+        ratios = [
+            _ratios([row for row in measured if row["row_quantity"] == quantity], quantity)
+            for quantity in quantities
+        ]
+        parts.append(f"calculated over measured: {', '.join(ratios)}; {_count_inside(measured)}")
+    if computed:
+        parts.append(f"over what others computed: {_ratios(computed)}; {_count_inside(computed)}")
+    verdicts = [
+        row["statement_verdict"]
+        for row in rows_along(dataset, "statement")
+        if row["statement_models"] in own
+    ]
+    if verdicts:
+        known = len(verdicts) - verdicts.count(UNDETERMINED)
+        parts.append(f"{verdicts.count(CONFIRMED)} of {known} statements hold")
+    return "; ".join(parts) or "nothing to compare: forms have no numbers"
+
+
+def _ratios(rows: list[dict[str, Any]], quantity: str = "") -> str:
+    """Return name of a quantity, and median and range of the ratios of some rows."""
+    name = (quantity.rpartition("/")[2] or quantity).replace("-", " ").replace("_", " ")
+    ratios = [row["ratio"] for row in rows if math.isfinite(row["ratio"])]
+    if not ratios:
+        return f"{name} -".strip()
+    low, median, high = (two_digits(float(np.quantile(ratios, q))) for q in (0.0, 0.5, 1.0))
+    return f"{name} {median} ({low} to {high})".strip()
+
+
+def _count_inside(rows: list[dict[str, Any]]) -> str:
+    """Return how many of some rows are inside the bands of both uncertainties, and of how many that is not known."""
+    verdicts = [row["row_verdict"] for row in rows]
+    undetermined = verdicts.count(UNDETERMINED)
+    text = f"{verdicts.count(INSIDE)} of {len(verdicts) - undetermined} inside both uncertainties"
+    return f"{text}, {undetermined} cannot be determined" if undetermined else text
 
 
 def _plain_values(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
