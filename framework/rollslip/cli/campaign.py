@@ -201,7 +201,7 @@ def _option(field: "attrs.Attribute[Any]") -> Callable[[Any], Any]:
     }.get(metadata["value_type"])
     default = {} if field.default in (attrs.NOTHING, None) else {"default": field.default}
     return click.option(
-        f"--{field.name.replace('_', '-')}",
+        f"--{field.name.strip('_').replace('_', '-')}",  # a keyword of Python ends in "_"
         field.name,
         cls=_Option,
         metavar=metadata["metavar"],

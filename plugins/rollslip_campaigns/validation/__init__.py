@@ -24,7 +24,8 @@ class ValidationSettings(Campaign):
     """Compare models with data sets, by name or folder; by default all data sets that are installed.
 
     Calculated over measured with the uncertainty of both, statements that hold or do not, chi-square where it means
-    something: a table, an atlas of figures, a report.
+    something: a table, an atlas of figures, a report. `rollslip validate new NAME --from slip.csv --scene my.toml`
+    writes a data set from a table of measured points.
 
     Returns
     -------
@@ -61,6 +62,12 @@ class ValidationSettings(Campaign):
     form: Path | None = setting(
         "Write a file for such predictions.", value_type=Path, metavar="FILE.csv"
     )
+    from_: Path | None = setting(
+        "Table of measured points, of which new NAME makes a data set.",
+        value_type=Path,
+        metavar="FILE",
+    )
+    scene: str = setting("Scene of that data set.", default="", metavar="SCENE")
     samples: int = setting(
         "Samples of the uncertain data.",
         value_type=int,
@@ -90,7 +97,11 @@ class ValidationSettings(Campaign):
         return "validation" if len(made.sets) != 1 else f"{made.sets[0].name}-validation"
 
     def alternative_action(self) -> str:
-        """Write a file for predictions, if it is requested, and return a line about it."""
+        """Write a data set or a file for predictions, if it is requested, and return a line about it."""
+        if self.from_ is not None or self.scene or "new" in self.data[:1]:
+            from rollslip_campaigns.validation.new_set import new_data_set
+
+            return new_data_set(self.data, self.from_, self.scene)
         from rollslip_campaigns.validation.predictions import write_form
 
         return "" if self.form is None else write_form(self.data, self.form)
