@@ -271,3 +271,42 @@ def test_measured_slips_have_bars_along_an_axis_of_slips(found):
     assert bars.lines[0].get_xydata()[0].tolist() == pytest.approx([10.0, 2.0])
     [[low, high]] = bars.lines[2][0].get_segments()
     assert high[1] - low[1] == pytest.approx(2.0 * 1.96 * 0.5)
+
+
+def with_cases(folder, text):
+    """A file of a scene with a table [cases]."""
+    scene = rollslip.load_scene("1032930-70C").text
+    return written(folder, f"{scene}\n[cases]\n{text}", name="my.toml")
+
+
+def test_a_scene_names_its_table_beside_it(tmp_path):
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    written(folder, HEAD, *ROWS)
+    written(folder, "cage_slip [%], cage_slip_uncertainty [%]", "2, 0.5", name="slip.csv")
+    scene = with_cases(folder, 'table = "duty.csv"\nmeasured = "slip.csv"')
+    planned = plan_cases(CaseSettings(scene))
+    assert planned.sweep.design.size == 3
+    assert planned.sweep.scene.cases is None
+    assert len(planned.measured.values) == 1
+    other = written(tmp_path, "radial_load [kN]", "1")
+    assert plan_cases(CaseSettings(scene, other)).sweep.design.size == 1
+
+
+def test_what_is_wrong_with_the_table_of_a_scene_is_said(tmp_path):
+    with pytest.raises(SceneError, match=r"cases: name a table of load cases: .*\[cases\]"):
+        plan_cases(CaseSettings("1032930-70C"))
+    with pytest.raises(SceneError, match=r"my.toml:\d+: cases.tabel: unknown key, did you mean"):
+        plan_cases(CaseSettings(with_cases(tmp_path, 'tabel = "duty.csv"')))
+    with pytest.raises(SceneError, match=r"duty.csv: cannot be read: No such file"):
+        plan_cases(CaseSettings(with_cases(tmp_path, 'table = "duty.csv"')))
+
+
+def test_a_table_of_cases_changes_no_run(tmp_path):
+    plain = rollslip.load_scene("1032930-70C")
+    scene = rollslip.load_scene(
+        written(tmp_path, f'{plain.text}\n[cases]\ntable = "d.csv"', name="s.toml")
+    )
+    assert scene.cases == {"table": "d.csv"}
+    slip = [rollslip.run(each, "friction-curve").critical_slip.values for each in (plain, scene)]
+    np.testing.assert_array_equal(*slip)

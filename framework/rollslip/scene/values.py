@@ -374,6 +374,7 @@ class Scene:
     uncertainty: FrozenTable | None = field(
         default=None, doc="distributions of uncertain values, for sweeps with samples"
     )
+    cases: FrozenTable | None = field(default=None, doc="load cases, for rollslip cases")
 
     source: str = attrs.field(default="", eq=False, metadata={"key": None})
     text: str = attrs.field(default="", eq=False, repr=False, metadata={"key": None})

@@ -21,7 +21,7 @@ class CaseSettings(OfPoints):
 
     The first row of the table has keys of the scene with the unit of the values below them, "operation.radial_load
     [kN]" or "radial_load [kN]"; each row below it is a case. A column "share [%]" or "time [h]" has the part of the
-    time that a case takes; without one all take the same.
+    time that a case takes; without one all take the same. A scene may name its table: [cases] table = "duty.csv".
 
     Returns
     -------
@@ -52,11 +52,10 @@ class CaseSettings(OfPoints):
 
     table: Any = setting(
         "",
-        default=attrs.NOTHING,
         value_type=Path,
-        argument="CASES.csv",
+        argument="[CASES.csv]",
         positional=True,
-        details="A file .csv or .xlsx, or a pandas.DataFrame.",
+        details="A file .csv or .xlsx, or a pandas.DataFrame; by default the one that the scene names.",
     )
     measured: Any = setting(
         "Table of measured points, csv or xlsx, to compare with.",

@@ -23,7 +23,7 @@ from rollslip.studies.quantities import quantities
 from rollslip.studies.rating_life.largest_load import basic_life
 from rollslip.studies.study import settings, study_class
 from rollslip_campaigns.cases import CaseSettings
-from rollslip_campaigns.cases.table import CaseTable, read_cases
+from rollslip_campaigns.cases.table import CaseTable, files_of, read_cases
 from rollslip_campaigns.sweep.definition import POINT_VARIABLES, Sweep, SweepTable
 from rollslip_campaigns.sweep.folder import Points
 from rollslip_campaigns.sweep.run import requested_engine
@@ -88,8 +88,13 @@ def plan_cases(requested: CaseSettings) -> CasePlan:
     """Return the cases that settings ask for; all faults of the table are raised before anything runs."""
     given = requested.base_scene
     base, assembly = assemble_varied(without_tables(given), {})
-    table = read_cases(requested.table, quantities(assembly, settings(base, STUDY)))
-    measured = None if requested.measured is None else read_measured(requested.measured, assembly)
+    cases = requested.table
+    points = requested.measured
+    if cases is None:
+        cases, of_scene = files_of(given)
+        points = of_scene if points is None else points
+    table = read_cases(cases, quantities(assembly, settings(base, STUDY)))
+    measured = None if points is None else read_measured(points, assembly)
     sweep = sweep_of_design(
         base,
         STUDY,

@@ -1,18 +1,21 @@
 """Read a table of load cases from CSV, xlsx or pandas, with all its faults in one error."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
 
+from rollslip.fields import parameter
 from rollslip.scene.changes import Quantity
+from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip.structure import raise_problem_if
+from rollslip.structure import Location, raise_problem_if, raise_problems, structure
 from rollslip.studies.tables import FurtherColumn, read_table
 from rollslip_campaigns.sweep.sampling import Axis, Design
 
-__all__ = ["CaseDesign", "CaseTable", "read_cases"]
+__all__ = ["CaseDesign", "CaseTable", "CasesOfScene", "files_of", "read_cases"]
 
 #: Columns of the part of the time that a case takes.
 _TIMES: Final[Mapping[str, FurtherColumn]] = {
@@ -84,6 +87,35 @@ class CaseTable:
     source: str
     design: CaseDesign
     fractions: Array
+
+
+@attrs.frozen(kw_only=True)
+class CasesOfScene:
+    """The table ``[cases]`` of a scene."""
+
+    table: str = parameter(
+        doc="file of the load cases, .csv or .xlsx: its name beside the scene, or its full path"
+    )
+    measured: str | None = parameter(
+        default=None, doc="file of measured points to compare with, likewise"
+    )
+
+
+def files_of(scene: Scene) -> tuple[Path, Path | None]:
+    """Return the files of load cases and of measured points that a scene names, beside it or with their full paths."""
+    where = Location(scene.origins, ("cases",))
+    raise_problem_if(
+        scene.cases is None,
+        "cases: name a table of load cases: rollslip cases SCENE duty.csv, or [cases] with table = 'duty.csv' in the "
+        "scene",
+    )
+    problems = list[str]()
+    named = structure(CasesOfScene, dict(scene.cases or {}), where, problems)
+    raise_problems(problems)
+    assert named is not None
+    folder = Path(scene.source).parent if scene.source.endswith(".toml") else Path()
+    measured = None if named.measured is None else folder / named.measured
+    return folder / named.table, measured
 
 
 def read_cases(given: object, known: Mapping[str, Quantity]) -> CaseTable:

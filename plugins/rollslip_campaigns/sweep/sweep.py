@@ -337,16 +337,17 @@ def _read_axes(
 
 
 def without_tables(scene: Scene) -> Scene:
-    """Return the scene without the tables of sweeps, which are not part of a point."""
+    """Return the scene without the tables of sweeps and cases, which are not part of a point."""
     return attrs.evolve(
         scene,
         sweep=None,
         uncertainty=None,
+        cases=None,
         raw=FrozenTable(
             {
                 key: value
                 for key, value in dict(scene.raw or resolved(scene)).items()
-                if key not in ("sweep", "uncertainty")
+                if key not in ("sweep", "uncertainty", "cases")
             }
         ),
     )
