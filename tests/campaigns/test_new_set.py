@@ -10,6 +10,7 @@ from click.testing import CliRunner
 import rollslip
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
+from rollslip.lubricant.base_oil import BASE_OILS
 from rollslip.structure import scene_hash
 from rollslip_campaigns.measurement import load_measurement
 from rollslip_campaigns.validation.new_set import write_data_set
@@ -115,6 +116,10 @@ def test_estimates_of_own_mineral_oils_are_below_measured_coefficients_and_fall_
     means = [ratio[at == f"{T} degC"].mean() for T in (30, 60, 100)]
     np.testing.assert_allclose(means, [0.933, 0.895, 0.859], atol=1e-3)
     assert (ratio.mean(), ratio.std(ddof=1)) == pytest.approx((0.895, 0.074), abs=1e-3)
+    # what the scatter of the estimate states as its source
+    within = np.abs(1.0 / ratio - 1.0) <= BASE_OILS["mineral"].alpha_scatter
+    assert within.sum() == 35
+    assert (1.0 / ratio.max(), 1.0 / ratio.min()) == pytest.approx((0.95, 1.31), abs=0.005)
 
 
 def test_rows_of_the_printed_resistance_are_the_printed_numbers():
