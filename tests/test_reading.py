@@ -94,7 +94,7 @@ def test_a_planted_fault_of_the_list_is_found(old, new, told):
 
 
 def test_an_option_of_a_campaign_is_declared_where_the_page_says():
-    """In its class alone; of a sweep in the table that its scenes may have, too."""
+    """In its class alone; of sweeps and cases in the table that their scenes may have, too."""
     declared = dict[tuple[str, str], int]()
     for name in campaigns():
         cls = campaign(name)
@@ -111,7 +111,7 @@ def test_an_option_of_a_campaign_is_declared_where_the_page_says():
             )
             declared[name, option] = found - (name in ("validate", "rank") and option in VALIDATED)
     assert len(declared) > 30
-    assert {name for (name, _), count in declared.items() if count != 1} == {"sweep"}
+    assert {name for (name, _), count in declared.items() if count != 1} == {"sweep", "cases"}
     most = max(declared.values())
     assert re.search(rf"\* - an option of a campaign\n     - 1, up to {most} of a sweep\n", PAGE)
 

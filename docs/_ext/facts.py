@@ -26,6 +26,7 @@ from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
 from rollslip.units import format_quantity
 from rollslip_campaigns.measurement import QUANTITIES
+from rollslip_campaigns.cases.table import CasesOfScene
 from rollslip_campaigns.sweep.definition import SweepTable
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, Correlation
@@ -77,6 +78,11 @@ def cage_keys():
         for key, unit, default, doc, *ranges in fields(Cage, "cage.")
     ]
     return table(KEYS, rows)
+
+
+def cases_keys():
+    """Keys of the table ``[cases]``."""
+    return table(KEYS[:4], [row[:4] for row in fields(CasesOfScene, "cases.")])
 
 
 def sweep_keys():
@@ -475,6 +481,7 @@ PARTS = {
     "cage-keys": cage_keys,
     "study-keys": study_keys,
     "sweep-keys": sweep_keys,
+    "cases-keys": cases_keys,
     "grades": grades,
     "models": models,
     "validity": validity,

@@ -59,7 +59,7 @@ UNCERTAINTY = "uncertainty"
 #: Rows of a quantity of a contact, where they are not those of traction.
 _CONTACT_ROWS: Final[Mapping[str, type]] = {
     "film-thickness": FilmRow,
-    "rolling-resistance": ResistanceRow,
+    "contact-resistance": ResistanceRow,
 }
 #: A variable of a study: STUDY/VARIABLE.
 _STUDY_VARIABLE: Final = re.compile(r"[\w-]+/\w+", re.ASCII)

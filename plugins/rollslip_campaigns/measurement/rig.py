@@ -134,8 +134,8 @@ class FilmRow(_ContactRow):
 class ResistanceRow(_ContactRow):
     """One row of a file of rolling resistance; its fields are the columns that a file may have."""
 
-    rolling_resistance: float = _column("N/m", "rolling resistance per length")
-    rolling_resistance_uncertainty: float | None = _column(
+    contact_resistance: float = _column("N/m", "rolling resistance per length")
+    contact_resistance_uncertainty: float | None = _column(
         "N/m", "standard uncertainty of the rolling resistance", required=False
     )
 

@@ -75,7 +75,7 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
         "largest-cage-slip": Quantity("1", "cage slip of steady operation, the largest that lasts"),
         "friction": Quantity("1", "traction coefficient of a contact", "contact"),
         "film-thickness": Quantity("m", "film thickness of a contact", "contact"),
-        "rolling-resistance": Quantity(
+        "contact-resistance": Quantity(
             "N/m",
             "rolling resistance of a contact per length, by the drag that at.law names",
             "contact",

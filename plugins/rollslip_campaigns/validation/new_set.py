@@ -77,7 +77,7 @@ def _texts(name: str, points: MeasuredPoints, title: str) -> dict[str, str]:
     text = _HEAD.substitute(
         table=source,
         name=_quoted(name),
-        description=_quoted(f"{', '.join(map(_words, quantities))} of {title}"),
+        description=_quoted(f"{', '.join(map(_plain_name, quantities))} of {title}"),
         reference=_quoted(f"Own record in the table {source}"),
     )
     tables = dict[str, str]()
@@ -85,7 +85,7 @@ def _texts(name: str, points: MeasuredPoints, title: str) -> dict[str, str]:
         own = quantity.replace("_", "-")
         file = f"{stem.replace('_', '-')}.csv"
         text += _SERIES.substitute(
-            name=_quoted(_words(quantity)),
+            name=_quoted(_plain_name(quantity)),
             quantity=_quoted(own if own in QUANTITIES else quantity),
             unit=_quoted(points.units[quantity]),
             file=file,
@@ -126,7 +126,7 @@ def _number(value: float, si: str, unit: str) -> str:
     return f"{float(converted(value, si, unit)):.{_DIGITS}g}"
 
 
-def _words(quantity: str) -> str:
+def _plain_name(quantity: str) -> str:
     """Return a quantity in words."""
     return quantity.rpartition("/")[2].replace("_", " ")
 

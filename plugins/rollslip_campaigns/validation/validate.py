@@ -340,7 +340,7 @@ def _contact_values(
     problem = rig_problem(
         data, series.rig, combination.models.get("traction"), _film_model(series, combination)
     )
-    law = _resistance_law(series.at) if column == "rolling_resistance" else None
+    law = _resistance_law(series.at) if column == "contact_resistance" else None
     nominal = _contact_column(problem, problem.lubricant, column, law)
     seconds = (time.perf_counter() - start) / len(data)
     oils, note = _sample_oils(problem.lubricant, plan)
@@ -378,7 +378,7 @@ def _film_model(series: ContactSeries, combination: Combination) -> dict[str, ob
 def _resistance_law(at: Mapping[str, object]) -> Chain:
     """Return the drag that a series of rolling resistance names as ``law``, with its parameters."""
     raise_problem_if(
-        "law" not in at, "rolling-resistance: name the drag, such as at = { law = 'NAME' }"
+        "law" not in at, "contact-resistance: name the drag, such as at = { law = 'NAME' }"
     )
     parameters = {name: value for name, value in at.items() if name != "law"}
     return Chain(get_model("drag", str(at["law"]), **parameters))
