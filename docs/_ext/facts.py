@@ -25,8 +25,8 @@ from rollslip.scene.relations import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
 from rollslip.units import format_quantity
-from rollslip_campaigns.measurement import QUANTITIES
 from rollslip_campaigns.cases.table import CasesOfScene
+from rollslip_campaigns.measurement import QUANTITIES
 from rollslip_campaigns.sweep.definition import SweepTable
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_studies.variation.distributions import DISTRIBUTIONS, Correlation

@@ -209,7 +209,6 @@ def run(
     """
     from rollslip.cli import console
     from rollslip.planning.execution import read_measured, studies_of_slip, with_measured
-    from rollslip.planning.lines import describe_own_cage
     from rollslip.planning.plan import plan
     from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
@@ -218,11 +217,7 @@ def run(
     points = None if measured is None else read_measured(measured, planned.assembly)
     if verbose and not results.as_json:
         click.echo(console.headline(planned))
-    # the answer has the cage among its assumptions
-    own_cage = describe_own_cage(planned.scene, planned.studies)
-    for sentence in planned.cost_sentences:
-        if verbose or sentence != own_cage:
-            click.echo(f"note: {sentence}", err=True)
+    _print_cost(planned, verbose)
     results.choose_folder(f"{Path(scene).stem}-results")
     checkpoints = results.checkpoint_folder()
     arguments = [scene, *(f"--set={change}" for change in changes)]
@@ -233,8 +228,7 @@ def run(
         datasets, failures = _run_studies(planned, checkpoints, verify)
         for name in studies_of_slip(datasets.values()):
             datasets[name] = planned.studies[name].with_bands(planned.scene, datasets[name])
-        if points is not None:
-            datasets = with_measured(datasets, points, planned.scene)
+        datasets = with_measured(datasets, points, planned.scene)
         for name, dataset in datasets.items():
             save(dataset, folder / f"{name}.nc")
         results.show(datasets, folder, shlex.join(arguments))
@@ -247,6 +241,16 @@ def run(
     _exit_unless_finished(outcomes, failures, hint)
     if any(is_as_bad(verdict, requested) for requested in failing):
         sys.exit(FAILED_ON)
+
+
+def _print_cost(planned: "Plan", verbose: bool) -> None:
+    """Print the notes on cost and cage of a plan; the answer has the cage among its assumptions."""
+    from rollslip.planning.lines import describe_own_cage
+
+    own_cage = describe_own_cage(planned.scene, planned.studies)
+    for sentence in planned.cost_sentences:
+        if verbose or sentence != own_cage:
+            click.echo(f"note: {sentence}", err=True)
 
 
 def _exit_unless_finished(

@@ -277,9 +277,7 @@ def _completed(
     for name in {first, *studies_of_slip(results.values())}:
         plan = executed[name].plan
         results[name] = plan.studies[name].with_bands(plan.scene, results[name])
-    if points is not None:
-        results = with_measured(results, points, executed[first].plan.scene)
-    return results
+    return with_measured(results, points, executed[first].plan.scene)
 
 
 def read_measured(given: object, assembly: Assembly) -> "MeasuredPoints":
@@ -299,7 +297,7 @@ def read_measured(given: object, assembly: Assembly) -> "MeasuredPoints":
 
 
 def with_measured(
-    results: "Mapping[str, xr.Dataset]", points: "MeasuredPoints", scene: Scene
+    results: "Mapping[str, xr.Dataset]", points: "MeasuredPoints | None", scene: Scene
 ) -> "dict[str, xr.Dataset]":
     """Return results of a run, of which one has the comparison with measured points as its attribute ``measured``.
 
@@ -307,45 +305,56 @@ def with_measured(
     ----------
     results : mapping of str to xarray.Dataset
         Results with bands, by study.
-    points : MeasuredPoints
-        The measured points.
+    points : MeasuredPoints or None
+        The measured points; None for the results as they are.
     scene : Scene
         The scene of the run.
     """
+    if points is None:
+        return dict(results)
     studies = [study.name for study, _ in points.quantities.values()]
     target = next((name for name in studies if name in results), next(iter(results)))
-    records = json.dumps(measured_records(points, scene, results))
-    return {**results, target: results[target].assign_attrs(measured=records)}
+    attribute = measured_attribute(points, {"": scene}, {"": results})
+    return {**results, target: results[target].assign_attrs(attribute)}
 
 
-def measured_records(
-    points: "MeasuredPoints",
-    scene: Scene,
-    results: "Mapping[str, xr.Dataset]" = MappingProxyType({}),
-    alternative: str = "",
-) -> list[dict[str, Any]]:
-    """Return measured points and values calculated at their conditions, as plain values.
+def measured_attribute(
+    points: "MeasuredPoints | None",
+    scenes: Mapping[str, Scene],
+    results: "Mapping[str, Mapping[str, xr.Dataset]]" = MappingProxyType({}),
+) -> dict[str, str]:
+    """Return the comparison of scenes with measured points as the attribute ``measured``; nothing without points.
 
     Parameters
     ----------
-    points : MeasuredPoints
+    points : MeasuredPoints or None
         The measured points.
-    scene : Scene
-        The scene.
-    results : mapping of str to xarray.Dataset
-        Results of the scene with bands, by study, as far as they are known.
-    alternative : str
-        Label of the scene, where several are compared.
+    scenes : mapping of str to Scene
+        Scenes by label; the label of a single one is empty.
+    results : mapping of str to mapping
+        Results of a scene with bands, by study, as far as they are known, by label.
     """
+    if points is None:
+        return {}
     from rollslip.studies.measured import compare_points
 
-    def compute(changed: Scene, study: str) -> "xr.Dataset":
-        if study in results and scene_hash(changed) == scene_hash(scene):
-            return results[study]
-        planned = plan(changed, study)
-        return planned.studies[study].with_bands(changed, execute(planned, study))
+    records = list[dict[str, Any]]()
+    for label, scene in scenes.items():
+        known = results.get(label, {})
+        records += compare_points(
+            points, scene, partial(_result_with_bands, scene_hash(scene), known), label
+        )
+    return {"measured": json.dumps(records)}
 
-    return compare_points(points, scene, compute, alternative)
+
+def _result_with_bands(
+    hash_of_known: str, known: "Mapping[str, xr.Dataset]", scene: Scene, study: str
+) -> "xr.Dataset":
+    """Return the result of a study at a scene with bands; that which is known if the scene has the hash of that."""
+    if study in known and scene_hash(scene) == hash_of_known:
+        return known[study]
+    planned = plan(scene, study)
+    return planned.studies[study].with_bands(scene, execute(planned, study))
 
 
 def studies_of_slip(results: "Iterable[xr.Dataset]") -> set[str]:

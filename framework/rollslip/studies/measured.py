@@ -162,22 +162,12 @@ def read_points(given: object, known: Mapping[str, Quantity], scene: Scene) -> M
             evolve(scene, conditions, si=True)
         except SceneError as error:
             problems += [f"{place}: {text.removeprefix('changes: ')}" for text in error.problems]
-        for name in names:
-            sigma = table.values.get(f"{name}{_UNCERTAINTY}", [])[k : k + 1]
-            if sigma and not sigma[0] > 0.0:
-                problems.append(
-                    f"{place}: {name}{_UNCERTAINTY}: must be above 0, the standard uncertainty of the value"
-                )
-            values += [
-                MeasuredValue(
-                    quantity=name,
-                    place=place,
-                    conditions=conditions,
-                    value=table.values[name][k],
-                    uncertainty=uncertainty,
-                )
-                for uncertainty in sigma
-            ]
+        values += _values_of_row(table, k, conditions, names)
+    problems += [
+        f"{value.place}: {value.quantity}{_UNCERTAINTY}: must be above 0, the standard uncertainty of the value"
+        for value in values
+        if not value.uncertainty > 0.0
+    ]
     if problems:
         raise faults_of(table.source, problems)
     of_scene = {
@@ -191,6 +181,23 @@ def read_points(given: object, known: Mapping[str, Quantity], scene: Scene) -> M
         units={name: units[name] for name in names} | of_scene,
         values=tuple(values),
     )
+
+
+def _values_of_row(
+    table: KeyTable, k: int, conditions: Mapping[str, Any], names: list[str]
+) -> list[MeasuredValue]:
+    """Return the measured values in row k that have an uncertainty, at the conditions of the row."""
+    return [
+        MeasuredValue(
+            quantity=name,
+            place=table.places[k],
+            conditions=conditions,
+            value=table.values[name][k],
+            uncertainty=table.values[f"{name}{_UNCERTAINTY}"][k],
+        )
+        for name in names
+        if f"{name}{_UNCERTAINTY}" in table.values
+    ]
 
 
 def _faults_of_quantities(

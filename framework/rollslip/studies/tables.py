@@ -72,7 +72,17 @@ class Column:
         return self.quantity is not None and self.quantity.unit is not None
 
     def read(self, cell: str, place: str, problems: list[str]) -> object:
-        """Return the value of a cell as the scene takes it, or None after collecting its fault."""
+        """Return the value of a cell as the scene takes it, or None after collecting its fault.
+
+        Parameters
+        ----------
+        cell : str
+            The text of the cell.
+        place : str
+            File and line, for the message.
+        problems : list of str
+            Messages on faults, to which that of this cell is added.
+        """
         try:
             return self._value(cell)
         except FieldError as error:
@@ -183,37 +193,39 @@ def _parse_head(
     """Return the column under a cell of the head, or None after collecting its fault."""
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     unit = rest.removesuffix("]").strip() if bracket else ""
-    key = name
-    quantity = None
     own = further.get(name)
-    si: str | None = None if own is None else own.unit
-    if own is None:
+    if own is not None:
+        column = Column(name, unit, None, own)
+    else:
         matches = [key for key in known if key.endswith(f".{name}")]
         key = matches[0] if len(matches) == 1 else full_key(name)
         if key not in known:
             near = nearest(name, further, count=1, cutoff=_NEAR)
-            reason = (
-                f"did you mean {near[0]!r}?" if near else describe_unknown_key(key, dict(known))
-            )
+            reason = f"did you mean {near[0]!r}?" if near else ""
+            reason = reason or describe_unknown_key(key, dict(known))
             problems.append(f"{place}: {as_written(name)}: is no known column; {reason}")
             return None
-        quantity = known[key]
-        si = quantity.unit
-    if si is None and unit:
-        problems.append(f"{place}: {key}: has no unit, [{unit}] is wrong here")
+        column = Column(key, unit, known[key])
+    if fault := _fault_of_unit(name, column):
+        problems.append(f"{place}: {column.key}: {fault}")
         return None
-    if si not in (None, "1") and not unit:
-        problems.append(
-            f"{place}: {key}: the unit is missing; write {as_written(f'{name} [{si}]')}"
-        )
-        return None
+    return column
+
+
+def _fault_of_unit(name: str, column: Column) -> str:
+    """Return the fault of the unit of a column with a name in the head; empty if there is none."""
+    si = column.further.unit if column.further is not None else None
+    if column.quantity is not None:
+        si = column.quantity.unit
+    if si is None:
+        return f"has no unit, [{column.unit}] is wrong here" if column.unit else ""
+    if not column.unit:
+        return "" if si == "1" else f"the unit is missing; write {as_written(f'{name} [{si}]')}"
     try:
-        if unit:
-            in_unit(f"1 {unit}", si or "1")
+        in_unit(f"1 {column.unit}", si)
     except UnitError as error:
-        problems.append(f"{place}: {key}: {error}")
-        return None
-    return Column(key, unit, quantity, own)
+        return str(error)
+    return ""
 
 
 def _rows_of(given: object) -> tuple[str, list[tuple[str, list[str]]]]:

@@ -4,7 +4,6 @@ A case has the verdict of its values: slip, reserve, film parameter and viscosit
 are not computed, because they take as long as the case itself: so a verdict here is never worse than that of a run.
 """
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -12,7 +11,7 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.planning.execution import measured_records, read_measured
+from rollslip.planning.execution import measured_attribute, read_measured
 from rollslip.planning.progress import ProgressReporter
 from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
@@ -127,8 +126,7 @@ def run_cases(
     points = Points.in_folder(made.sweep, folder, message, lambda now: show(*now.summary))
     points.compute()
     dataset = _result(made, points.collect())
-    if made.measured is not None:
-        dataset.attrs["measured"] = json.dumps(measured_records(made.measured, made.sweep.scene))
+    dataset.attrs |= measured_attribute(made.measured, {"": made.sweep.scene})
     save(dataset, folder / "cases.nc")
     return dataset
 

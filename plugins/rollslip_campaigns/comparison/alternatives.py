@@ -21,7 +21,7 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError, SceneError
 from rollslip.planning.campaign import listed
-from rollslip.planning.execution import measured_records, run
+from rollslip.planning.execution import measured_attribute, run
 from rollslip.planning.progress import ProgressReporter
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.accounts import answer
@@ -183,12 +183,6 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
     bands = _ratio_bands(order, done, plan.keys)
     rows = [_values(answers[label], band) for label, band in zip(order, bands, strict=True)]
     rows += [{"message": reason} for reason in failed.values()]
-    measured = list[dict[str, Any]]()
-    if plan.measured is not None:
-        for label in order:
-            measured += measured_records(
-                plan.measured, plan.scenes[label], done[label].complete(), label
-            )
     dim = "alternative"
     runs = [result.attrs for result in done.values()]
     return xr.Dataset(
@@ -211,7 +205,16 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
             evaluations=sum(int(attributes["evaluations"]) for attributes in runs),
             wall_time=time.perf_counter() - start,
         )
-        | ({"measured": json.dumps(measured)} if measured else {}),
+        | _measured(plan, order, done),
+    )
+
+
+def _measured(plan: Alternatives, order: Iterable[str], done: Mapping[str, Any]) -> dict[str, str]:
+    """Return the comparison of the alternatives that ran with measured points, as an attribute."""
+    return measured_attribute(
+        plan.measured,
+        {label: plan.scenes[label] for label in order},
+        {label: result.complete() for label, result in done.items()},
     )
 
 

@@ -10,9 +10,8 @@
 """
 
 import itertools
-import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NoReturn
 
 import attrs
@@ -31,7 +30,7 @@ from rollslip.errors import (
     nearest,
 )
 from rollslip.planning.campaign import listed
-from rollslip.planning.execution import execute, measured_records
+from rollslip.planning.execution import execute, measured_attribute
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import combine_origins, origin
 from rollslip.results.curves import Curves
@@ -113,6 +112,10 @@ class Comparison:
             for label, combination in self.combinations.items()
             if combination.plan is not None
         }
+
+    def scenes_of(self, labels: Iterable[str]) -> dict[str, Scene]:
+        """Return the scenes of combinations that can run by their `labels`."""
+        return {label: self.plans[label].scene for label in labels}
 
     @property
     def seconds(self) -> float:
@@ -357,11 +360,7 @@ def run_comparison(
         dataset = dataset.assign_attrs(
             sorted_by="" if law is None else law.name, sorted_by_own=int(own)
         )
-    measured = list[dict[str, Any]]()
-    if comparison.measured is not None:
-        for label in done:
-            measured += measured_records(comparison.measured, plans[label].scene, alternative=label)
-    dataset.attrs |= {"measured": json.dumps(measured)} if measured else {}
+    dataset.attrs |= measured_attribute(comparison.measured, comparison.scenes_of(done))
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - start))
 
 
