@@ -146,4 +146,25 @@ def test_the_fit_of_the_authors_meets_their_solutions():
     found = rollslip.validate(SETS / "zhou-hoeprich-1991", samples=0)
     fit = found.ratio.values[found.row_series.values == "rolling resistance, their fit"]
     assert (fit.min(), fit.max()) == pytest.approx((0.925, 1.16), abs=0.005)
-    assert rollslip.answer(found).summary.startswith("over what others computed: ")
+    assert rollslip.answer(found).summary.startswith("calculated over what others computed: ")
+
+
+def test_the_first_line_of_a_validation_says_how_near_measured_values_are():
+    found = rollslip.validate([SETS / "manjunath-2023", SETS / "zhou-hoeprich-1991"], samples=0)
+    summary = rollslip.answer(found).summary
+    assert summary.startswith(
+        "calculated over measured: pressure viscosity 0.98 (0.96 to 0.99); 2 of 2 inside both "
+        "uncertainties; over what others computed: "
+    )
+    body = rollslip.answer(found).table[1:]
+    assert [cells[2] for cells in body] == [*["outside"] * 7, "inside"]
+    assert body[-1][0] == "temperature 25 degC"  # what was measured before what was computed
+
+
+def test_the_torque_that_was_measured_is_met_as_the_page_says():
+    """Ratios of docs/howto/validating.rst, without samples."""
+    found = rollslip.validate(SETS / "wingertszahn-2023", samples=0)
+    np.testing.assert_allclose(found.ratio, [1.012, 1.108, 1.238, 1.010], atol=0.005)
+    [series] = load_measurement(SETS / "wingertszahn-2023").series
+    forces = rollslip.run(series.scene, "steady-slip").normal_force
+    assert float(forces.mean()) == pytest.approx(1550.0, rel=0.02)  # 6 kN axial on 16 rollers

@@ -237,7 +237,8 @@ def _describe_nearness(dataset: "xr.Dataset") -> str:
         ]
         parts.append(f"calculated over measured: {', '.join(ratios)}; {_count_inside(measured)}")
     if computed:
-        parts.append(f"over what others computed: {_ratios(computed)}; {_count_inside(computed)}")
+        others = f"{'' if measured else 'calculated '}over what others computed"
+        parts.append(f"{others}: {_ratios(computed)}; {_count_inside(computed)}")
     verdicts = [
         row["statement_verdict"]
         for row in rows_along(dataset, "statement")
