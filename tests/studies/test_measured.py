@@ -14,7 +14,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.planning.execution import read_measured
-from rollslip.results.accounts import answer
+from rollslip.results.accounts import answer, describe_measured
+from rollslip.results.text import two_digits
 from rollslip.studies.measured import compare_points
 from scattered import SCATTERED
 
@@ -80,6 +81,22 @@ def test_the_answer_has_a_row_on_them(found):
     assert row.text == f"{sum(error <= 1.0 for error in errors)} of 4 agree"
     assert "friction torque without a band" in row.note
     assert list(found.answer.as_dict()["rows"])[1] == "measured"
+
+
+def test_each_point_is_a_sentence_of_the_report_and_of_the_details(found, tmp_path):
+    sentences = describe_measured(found)
+    assert len(sentences) == 4
+    slip = sentences[2]
+    assert slip.startswith("cage slip measured 90 % ± 1.0 % at radial load 10 kN calculated ")
+    assert slip.endswith(
+        f": normalised error {two_digits(records_of(found)[2]['normalised_error'])}"
+    )
+    assert sentences[3].startswith("friction torque measured 500 mN m ± 200 mN m at ")
+    rollslip.report(found, out=tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert slip.capitalize() in page
+    unknown = describe_measured(beside(found, None))
+    assert unknown[0].endswith(": normalised error its band has no end")
 
 
 def test_they_stand_in_the_figures_whose_axes_they_fit(found):

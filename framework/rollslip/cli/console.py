@@ -19,7 +19,7 @@ from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
-from rollslip.results.accounts import account_of
+from rollslip.results.accounts import account_of, describe_measured
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import COLOURS, MAX_LINES, Answer, Verdict
 from rollslip.results.text import confidence, describe_law_outputs, first_line, in_brackets
@@ -222,6 +222,7 @@ def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool, errors: bool
         lines = [f"{dataset.attrs['study']}:"]
         if whole:
             lines += [*account_of(dataset).lines(dataset), *describe_law_outputs(dataset)]
+            lines += describe_measured(dataset)
         if whole or errors or missed_errors(dataset):
             click.echo("\n  ".join((*lines, accuracy_and_time(dataset))))
 
@@ -275,7 +276,7 @@ def print_details(dataset: "xr.Dataset", answer: Answer, provenance: Iterable[st
     provenance : iterable of str
         Lines on versions, hashes, engine and samples.
     """
-    for line in account_of(dataset).lines(dataset):
+    for line in (*account_of(dataset).lines(dataset), *describe_measured(dataset)):
         click.echo(f"  {line}")
     if text := confidence([dataset]):
         click.echo(f"confidence: {text}")

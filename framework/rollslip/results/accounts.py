@@ -42,13 +42,14 @@ from rollslip.results.text import (
 )
 from rollslip.scene.reading import shipped_scenes
 from rollslip.structure import raise_problem_if
-from rollslip.units import converted, expect_results, shown_unit
+from rollslip.units import converted, expect_results, format_quantity, shown_unit
 
 __all__ = [
     "PlainAccount",
     "account_of",
     "answer",
     "describe_defaults",
+    "describe_measured",
     "findings",
     "measured_rows",
     "refuse_unreadable",
@@ -270,6 +271,48 @@ def measured_rows(dataset: "xr.Dataset") -> list[Row]:
             is_alarm=True,
         )
     ]
+
+
+def describe_measured(dataset: "xr.Dataset") -> list[str]:
+    """Return a sentence on each measured value beside a result: conditions, both values and the normalised error."""
+    sentences = list[str]()
+    for record in json.loads(dataset.attrs.get("measured", "[]")):
+        measured, expanded, calculated, low, high = (
+            _measured_text(value, record)
+            for value in (
+                record["measured"],
+                2.0 * record["standard_uncertainty"],
+                record["calculated"],
+                record["low"],
+                record["high"],
+            )
+        )
+        conditions = ", ".join(
+            f"{key.rpartition('.')[2].replace('_', ' ')} "
+            + (format_quantity(value, unit, 4) if unit else str(value))
+            for key, (value, unit) in record["conditions"].items()
+        )
+        texts = [
+            f"{record['quantity'].replace('_', ' ')} measured {measured} ± {expanded}",
+            conditions and f"at {conditions}",
+            f"calculated {calculated}{f' ({low} to {high})' if record['low'] is not None else ''}",
+            record["alternative"] and f"with {record['alternative']}",
+        ]
+        error = record["normalised_error"]
+        end = record["status"] or "its band has no end" if error is None else two_digits(error)
+        sentences.append(f"{' '.join(filter(None, texts))}: normalised error {end}")
+    return sentences
+
+
+def _measured_text(value: float | None, record: Mapping[str, Any]) -> str:
+    """Return a value of a measured quantity as text; slips in percent."""
+    if value is None:
+        return "none"
+    return (
+        percent(value)
+        if "slip" in record["quantity"]
+        else format_quantity(value, record["unit"], 3)
+    )
 
 
 def _is_known(record: Mapping[str, Any]) -> bool:

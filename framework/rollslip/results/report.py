@@ -33,7 +33,7 @@ from rollslip.files import whole_file
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation, as_bibtex
 from rollslip.results.account import Table
-from rollslip.results.accounts import account_of, answer
+from rollslip.results.accounts import account_of, answer, describe_measured
 from rollslip.results.answer import Answer, collect_notes
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of, xr
@@ -215,7 +215,11 @@ def _findings(datasets: Datasets) -> str:
     """Return the findings of each dataset."""
     body = ""
     for name, dataset in datasets.items():
-        parts = [*account_of(dataset).story(dataset), describe_law_outputs(dataset)]
+        parts = [
+            *account_of(dataset).story(dataset),
+            describe_law_outputs(dataset),
+            describe_measured(dataset),
+        ]
         if text := "".join(_finding(part) for part in parts if part):
             body += _tag("h3", name) + text
     return body
