@@ -94,7 +94,7 @@ def test_each_point_is_a_sentence_of_the_report_and_of_the_details(found, tmp_pa
     assert sentences[3].startswith("friction torque measured 500 mN m ± 200 mN m at ")
     rollslip.report(found, out=tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert slip.capitalize() in page
+    assert f"C{slip[1:]}" in page
     unknown = describe_measured(beside(found, None))
     assert unknown[0].endswith(": normalised error its band has no end")
 
