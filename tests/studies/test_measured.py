@@ -13,6 +13,7 @@ from coarse import SET_COARSE
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import ConvergenceError, SceneError
+from rollslip.planning import execution
 from rollslip.planning.execution import read_measured
 from rollslip.results.accounts import answer, describe_measured
 from rollslip.results.text import two_digits
@@ -233,3 +234,32 @@ def test_the_command_reads_the_table_first_and_stores_the_comparison(tmp_path, m
     row = json.loads(done.stdout)["answer"]["rows"]["measured"]
     [record] = records_of(rollslip.open_result(tmp_path / "out" / "steady-slip.nc"))
     assert row["value"] == record["normalised_error"]
+
+
+def test_an_interrupted_comparison_keeps_the_results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path, HEAD, "3, 2, 0.5")
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(execution, "with_measured", interrupt)
+    arguments = ["--study", "steady-slip", *SET_COARSE, "--no-plots", "--out", "out"]
+    done = CliRunner().invoke(cli, ["run", "1032930-70C", *arguments, "--measured", "slip.csv"])
+    assert done.exit_code == 0, done.output
+    assert "measured points are not compared" in done.stderr
+    assert "measured" not in rollslip.open_result(tmp_path / "out" / "steady-slip.nc").attrs
+
+
+def test_the_progress_names_each_point(found, tmp_path):
+    points = points_of(written(tmp_path, HEAD, "1, 2, 0.5", "2, 2, 0.5"))
+    said = []
+    compare_points(
+        points,
+        SCATTERED,
+        lambda *_: found.complete()["steady-slip"],
+        "a",
+        lambda text, fraction: said.append((text, fraction)),
+    )
+    place = tmp_path / "slip.csv"
+    assert said == [(f"a {place}:2", 0.0), (f"a {place}:3", 0.5)]

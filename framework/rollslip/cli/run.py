@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
     from rollslip.errors import RollslipError
     from rollslip.planning.plan import Plan
+    from rollslip.studies.measured import MeasuredPoints
 
 
 @click.command()
@@ -208,7 +209,7 @@ def run(
     It prints the answer: OK, SLIPS, SKIDS or UNKNOWN, and what that rests on; with -v all that was found.
     """
     from rollslip.cli import console
-    from rollslip.planning.execution import read_measured, studies_of_slip, with_measured
+    from rollslip.planning.execution import read_measured, studies_of_slip
     from rollslip.planning.plan import plan
     from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
@@ -228,7 +229,7 @@ def run(
         datasets, failures = _run_studies(planned, checkpoints, verify)
         for name in studies_of_slip(datasets.values()):
             datasets[name] = planned.studies[name].with_bands(planned.scene, datasets[name])
-        datasets = with_measured(datasets, points, planned.scene)
+        datasets = _compare(planned, datasets, points)
         for name, dataset in datasets.items():
             save(dataset, folder / f"{name}.nc")
         results.show(datasets, folder, shlex.join(arguments))
@@ -241,6 +242,22 @@ def run(
     _exit_unless_finished(outcomes, failures, hint)
     if any(is_as_bad(verdict, requested) for requested in failing):
         sys.exit(FAILED_ON)
+
+
+def _compare(
+    planned: "Plan", datasets: "dict[str, xr.Dataset]", points: "MeasuredPoints | None"
+) -> "dict[str, xr.Dataset]":
+    """Return results compared with measured points, if there are any; without the comparison if it is interrupted."""
+    from rollslip.planning.execution import with_measured
+
+    if points is None:
+        return datasets
+    try:
+        with progress("measured points") as show:
+            return with_measured(datasets, points, planned.scene, show)
+    except KeyboardInterrupt:
+        click.echo("interrupted: measured points are not compared; the results are kept", err=True)
+        return datasets
 
 
 def _print_cost(planned: "Plan", verbose: bool) -> None:

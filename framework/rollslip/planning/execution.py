@@ -11,7 +11,7 @@ import importlib
 import json
 import logging
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -297,7 +297,10 @@ def read_measured(given: object, assembly: Assembly) -> "MeasuredPoints":
 
 
 def with_measured(
-    results: "Mapping[str, xr.Dataset]", points: "MeasuredPoints | None", scene: Scene
+    results: "Mapping[str, xr.Dataset]",
+    points: "MeasuredPoints | None",
+    scene: Scene,
+    report: Callable[[str, float], object] = lambda text, fraction: None,
 ) -> "dict[str, xr.Dataset]":
     """Return results of a run, of which one has the comparison with measured points as its attribute ``measured``.
 
@@ -309,12 +312,14 @@ def with_measured(
         The measured points; None for the results as they are.
     scene : Scene
         The scene of the run.
+    report : callable
+        Receives the progress: a text, and the fraction that is done.
     """
     if points is None:
         return dict(results)
     studies = [study.name for study, _ in points.quantities.values()]
     target = next((name for name in studies if name in results), next(iter(results)))
-    attribute = measured_attribute(points, {"": scene}, {"": results})
+    attribute = measured_attribute(points, {"": scene}, {"": results}, report)
     return {**results, target: results[target].assign_attrs(attribute)}
 
 
@@ -322,6 +327,7 @@ def measured_attribute(
     points: "MeasuredPoints | None",
     scenes: Mapping[str, Scene],
     results: "Mapping[str, Mapping[str, xr.Dataset]]" = MappingProxyType({}),
+    report: Callable[[str, float], object] = lambda text, fraction: None,
 ) -> dict[str, str]:
     """Return the comparison of scenes with measured points as the attribute ``measured``; nothing without points.
 
@@ -333,6 +339,8 @@ def measured_attribute(
         Scenes by label; the label of a single one is empty.
     results : mapping of str to mapping
         Results of a scene with bands, by study, as far as they are known, by label.
+    report : callable
+        Receives the progress: a text, and the fraction that is done of a scene.
     """
     if points is None:
         return {}
@@ -342,7 +350,7 @@ def measured_attribute(
     for label, scene in scenes.items():
         known = results.get(label, {})
         records += compare_points(
-            points, scene, partial(_result_with_bands, scene_hash(scene), known), label
+            points, scene, partial(_result_with_bands, scene_hash(scene), known), label, report
         )
     return {"measured": json.dumps(records)}
 

@@ -49,6 +49,8 @@ _BAND_SCORE: Final = 1.645
 #: digits of a table, above rounding in the conversion of units.
 _SAME: Final = 1e-9
 
+#: Receives a text, and the fraction that is done.
+Report: TypeAlias = Callable[[str, float], object]
 #: Returns the result of a study at a scene, with bands.
 Compute: TypeAlias = "Callable[[Scene, str], xr.Dataset]"
 
@@ -226,7 +228,11 @@ def _faults_of_quantities(
 
 
 def compare_points(
-    points: MeasuredPoints, scene: Scene, compute: Compute, alternative: str = ""
+    points: MeasuredPoints,
+    scene: Scene,
+    compute: Compute,
+    alternative: str = "",
+    report: Report = lambda text, fraction: None,
 ) -> list[dict[str, Any]]:
     """Return measured and calculated values with their normalised errors, as plain values for an attribute.
 
@@ -240,11 +246,14 @@ def compare_points(
         Returns the result of a study, by its name, at a scene, with bands.
     alternative : str
         Label of the scene, where several are compared.
+    report : callable
+        Receives the progress: a text, and the fraction that is done.
     """
     results = dict[tuple[str, str], Any]()
     records = list[dict[str, Any]]()
     own = resolved(scene)
-    for point in points.values:
+    for k, point in enumerate(points.values):
+        report(f"{alternative} {point.place}".strip(), k / len(points.values))
         study, measurable = points.quantities[point.quantity]
         changed = evolve(scene, point.conditions, si=True)
         key = scene_hash(changed), study.name

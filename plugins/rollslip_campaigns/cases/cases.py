@@ -126,7 +126,7 @@ def run_cases(
     points = Points.in_folder(made.sweep, folder, message, lambda now: show(*now.summary))
     points.compute()
     dataset = _result(made, points.collect())
-    dataset.attrs |= measured_attribute(made.measured, {"": made.sweep.scene})
+    dataset.attrs |= measured_attribute(made.measured, {"": made.sweep.scene}, report=show)
     save(dataset, folder / "cases.nc")
     return dataset
 

@@ -205,16 +205,19 @@ def run_alternatives(plan: Alternatives, show: "ProgressReporter") -> "xr.Datase
             evaluations=sum(int(attributes["evaluations"]) for attributes in runs),
             wall_time=time.perf_counter() - start,
         )
-        | _measured(plan, order, done),
+        | _measured(plan, order, done, show),
     )
 
 
-def _measured(plan: Alternatives, order: Iterable[str], done: Mapping[str, Any]) -> dict[str, str]:
+def _measured(
+    plan: Alternatives, order: Iterable[str], done: Mapping[str, Any], show: "ProgressReporter"
+) -> dict[str, str]:
     """Return the comparison of the alternatives that ran with measured points, as an attribute."""
     return measured_attribute(
         plan.measured,
         {label: plan.scenes[label] for label in order},
         {label: result.complete() for label, result in done.items()},
+        show,
     )
 
 

@@ -360,7 +360,9 @@ def run_comparison(
         dataset = dataset.assign_attrs(
             sorted_by="" if law is None else law.name, sorted_by_own=int(own)
         )
-    dataset.attrs |= measured_attribute(comparison.measured, comparison.scenes_of(done))
+    dataset.attrs |= measured_attribute(
+        comparison.measured, comparison.scenes_of(done), report=progress
+    )
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - start))
 
 
