@@ -358,7 +358,8 @@ def _draw_measured(sheet: Sheet, quantity: str, records: Sequence[dict[str, Any]
         )
         colour = MODEL_COLOURS[k % len(MODEL_COLOURS)]
         axes.vlines(x, low, high, color=colour, linewidth=3.0, alpha=0.35)
-        text = "calculated, 5 to 95 % where data scatter"
+        has_band = bool(np.isfinite(low).any())
+        text = f"calculated{', 5 to 95 % where data scatter' * has_band}"
         style: dict[str, Any] = {"color": colour, "linestyle": "none", "zorder": 6, **MARKER}
         sheet.line(x, calculated, f"{name}, {text}" if name else text, **style)
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
