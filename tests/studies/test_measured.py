@@ -162,6 +162,12 @@ def test_conditions_that_are_no_bearing_are_refused_with_their_place(tmp_path):
         points_of(written(tmp_path, head, "28, 2, 1", "90, 2, 1"))
 
 
+def test_a_name_that_is_not_known_is_refused_with_its_place(tmp_path):
+    head = "models.film, cage_slip [%], cage_slip_uncertainty [%]"
+    with pytest.raises(SceneError, match=r"slip.csv:3: .*no film is called 'moe'"):
+        points_of(written(tmp_path, head, "moes, 2, 1", "moe, 2, 1"))
+
+
 def test_a_point_that_cannot_be_calculated_says_why(tmp_path):
     points = points_of(written(tmp_path, HEAD, "1, 2, 0.5"))
 

@@ -13,14 +13,16 @@ their uncertainties where E_n is at most 1. Where a calculated value has no band
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import available, get_class
-from rollslip.errors import RollslipError, SceneError
+from rollslip.errors import PluginError, RollslipError, SceneError
 from rollslip.files import faults_of
 from rollslip.results.accounts import account_of
 from rollslip.results.curves import or_none
@@ -103,11 +105,17 @@ class MeasuredPoints:
 def measurables() -> dict[str, tuple[type[Study], Measurable]]:
     """Return study and variable of each quantity that can be measured; of two studies the first."""
     found = dict[str, tuple[type[Study], Measurable]]()
-    for name in available("study"):
-        study: type[Study] = get_class("study", name)
+    for study in _usable_studies():
         for quantity, measurable in study.measured.items():
             found.setdefault(quantity, (study, measurable))
     return found
+
+
+def _usable_studies() -> Iterator[type[Study]]:
+    """Yield the studies whose packages can be imported."""
+    for name in available("study"):
+        with suppress(PluginError):
+            yield get_class("study", name)
 
 
 def _columns() -> dict[str, tuple[type[Study], Measurable]]:
@@ -117,12 +125,11 @@ def _columns() -> dict[str, tuple[type[Study], Measurable]]:
         for quantity, (study, measurable) in measurables().items()
         if study.outputs[measurable.variable].dims in ("", _STEADY)
     }
-    for name in available("study"):
-        study: type[Study] = get_class("study", name)
+    for study in _usable_studies():
         for variable, output in study.outputs.items():
             if output.dims in ("", _STEADY) and not output.attribute:
                 index = 0 if output.dims else None
-                columns[f"{name}/{variable}"] = (
+                columns[f"{study.name}/{variable}"] = (
                     study,
                     Measurable(variable=variable, steady_index=index),
                 )
@@ -161,9 +168,11 @@ def read_points(given: object, known: Mapping[str, Quantity], scene: Scene) -> M
             if column.quantity is not None
         }
         try:
-            evolve(scene, conditions, si=True)
+            assemble(evolve(scene, conditions, si=True))
         except SceneError as error:
             problems += [f"{place}: {text.removeprefix('changes: ')}" for text in error.problems]
+        except RollslipError as error:
+            problems.append(f"{place}: {error}")
         values += _values_of_row(table, k, conditions, names)
     problems += [
         f"{value.place}: {value.quantity}{_UNCERTAINTY}: must be above 0, the standard uncertainty of the value"
@@ -300,7 +309,7 @@ def _calculated(
 ) -> tuple[float, str]:
     """Return the value of a measured quantity in a result, and why it has none."""
     values = dataset[measurable.variable].to_numpy()
-    if measurable.steady_index is not None:
+    if measurable.steady_index is not None and "stable" in dataset:
         values = values[dataset["stable"].to_numpy() == 1]
     if values.size and values.dtype.kind in "fi":
         value = float(np.ravel(values)[measurable.steady_index or 0])
