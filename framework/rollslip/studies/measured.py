@@ -167,12 +167,7 @@ def read_points(given: object, known: Mapping[str, Quantity], scene: Scene) -> M
             for column in table.columns
             if column.quantity is not None
         }
-        try:
-            assemble(evolve(scene, conditions, si=True))
-        except SceneError as error:
-            problems += [f"{place}: {text.removeprefix('changes: ')}" for text in error.problems]
-        except RollslipError as error:
-            problems.append(f"{place}: {error}")
+        problems += [f"{place}: {fault}" for fault in _faults_of_conditions(scene, conditions)]
         values += _values_of_row(table, k, conditions, names)
     problems += [
         f"{value.place}: {value.quantity}{_UNCERTAINTY}: must be above 0, the standard uncertainty of the value"
@@ -192,6 +187,17 @@ def read_points(given: object, known: Mapping[str, Quantity], scene: Scene) -> M
         units={name: units[name] for name in names} | of_scene,
         values=tuple(values),
     )
+
+
+def _faults_of_conditions(scene: Scene, conditions: Mapping[str, Any]) -> list[str]:
+    """Return why a scene under some conditions is no bearing; empty if it is one."""
+    try:
+        assemble(evolve(scene, conditions, si=True))
+    except SceneError as error:
+        return [text.removeprefix("changes: ") for text in error.problems]
+    except RollslipError as error:
+        return [str(error)]
+    return []
 
 
 def _values_of_row(
