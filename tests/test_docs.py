@@ -679,7 +679,11 @@ def test_a_model_has_a_page_of_what_it_is_its_errors_what_it_was_held_against_an
     assert all(ratio in of_series for ratio in ratios)
     assert of_series.count("     - inside\n") == 3  # the closed form is its own
     assert "rollslip validate published-slip --film martin" in text
-    assert "film-limits" not in "\n".join(MODEL_PAGES.held("traction", "muraki"))
+    of_traction = "\n".join(MODEL_PAGES.held("traction", "muraki"))
+    assert "film-limits" not in of_traction
+    assert "rollslip validate wingertszahn-2023 --traction muraki" in of_traction
+    for unchanged in ("stachowiak-batchelor-2001", "manjunath-2023", "zhou-hoeprich-1991"):
+        assert unchanged not in text + of_traction
 
 
 def test_what_a_page_of_a_model_cannot_tell_it_says():

@@ -41,7 +41,9 @@ ERRORS = {
 #: Models that solve each contact numerically: a critical slip takes them minutes, so they are held against films alone.
 SOLVED = ("maxwell-eyring-field", "reynolds-line")
 #: Data sets that take seconds with each model, and are left to the command.
-LONG = ("published-slip",)
+LONG = ("published-slip", "wingertszahn-2023")
+#: Quantities that no model of `KINDS` changes: those of an oil, and of a drag on a contact.
+UNCHANGED = {"pressure-viscosity", "contact-resistance"}
 
 
 def page(kind, name):
@@ -79,6 +81,7 @@ def held(kind, name):
         return [f"Only {', '.join(KINDS)} models are put in the place of those of a data set.", ""]
     sets = [one for one in available("measurement") if not get_model("measurement", one).is_form]
     sets = [one for one in sets if kind == "film" or not _of_films(one)]
+    sets = [one for one in sets if not _is_unchanged(one)]
     left = [one for one in sets if one in LONG or (name in SOLVED and not _of_films(one))]
     command = [f"    rollslip validate {one} --{kind} {name}" for one in left]
     further = (
@@ -139,6 +142,12 @@ def _of_films(name):
     """Whether a data set has films of single contacts alone, which nothing but the film model changes."""
     one = get_model("measurement", name)
     return not one.statements and all(series.quantity == "film-thickness" for series in one.series)
+
+
+def _is_unchanged(name):
+    """Whether a data set has nothing that a contact, film or traction model changes."""
+    one = get_model("measurement", name)
+    return not one.statements and all(series.quantity in UNCHANGED for series in one.series)
 
 
 def write(app):
