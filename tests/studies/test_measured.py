@@ -120,7 +120,9 @@ def test_a_frame_and_a_workbook_are_the_same_points(tmp_path):
     names = [name.strip() for name in HEAD.split(",")]
     frame = pandas.DataFrame([[1.0, 2.0, 0.5]], columns=names)
     frame.to_excel(tmp_path / "slip.xlsx", index=False)
-    for table in (frame, tmp_path / "slip.xlsx", written(tmp_path, HEAD, "1, 2, 0.5")):
+    as_printed = written(tmp_path, HEAD.replace("cage_slip", "cage slip"), "1, 2, 0.5", name="a.csv")
+    as_keys = written(tmp_path, HEAD, "1, 2, 0.5")
+    for table in (frame, tmp_path / "slip.xlsx", as_keys, as_printed):
         [value] = points_of(table).values
         assert (value.value, value.uncertainty) == pytest.approx((0.02, 0.005))
         assert value.conditions == {"operation.radial_load": 1000.0}
@@ -147,6 +149,7 @@ def test_any_single_output_of_a_study_may_be_measured(tmp_path):
         ([HEAD, "-1, 2, 1"], r"slip.csv:2: operation.radial_load: must be"),
         ([f"{HEAD}, cage_slip [%]", "1, 2, 1, 2"], "cage_slip stands there twice"),
         (["cage_slp [%], cage_slip_uncertainty [%]", "1, 2"], "'cage_slp': is no known column; did you mean"),
+        (["slip [%], cage_slip_uncertainty [%]", "1, 2"], "did you mean 'cage_slip'"),
         (["radial_lod [kN], cage_slip [%]", "1, 2"], "did you mean 'operation.radial_load'"),
         (["radial_load [kN]", "1"], "no column has a measured value; there are .*cage_slip"),
     ],

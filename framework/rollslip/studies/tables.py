@@ -194,6 +194,9 @@ def _parse_head(
     name, bracket, rest = (part.strip() for part in cell.partition("["))
     unit = rest.removesuffix("]").strip() if bracket else ""
     own = further.get(name)
+    if own is None and name not in known:
+        own = further.get(underscored := name.replace(" ", "_"))  # as answers print it
+        name = underscored if own is not None else name
     if own is not None:
         column = Column(name, unit, None, own)
     else:
@@ -201,6 +204,9 @@ def _parse_head(
         key = matches[0] if len(matches) == 1 else full_key(name)
         if key not in known:
             near = nearest(name, further, count=1, cutoff=_NEAR)
+            near = near or sorted(
+                (other for other in further if other.endswith(f"_{name}")), key=len
+            )
             reason = f"did you mean {near[0]!r}?" if near else ""
             reason = reason or describe_unknown_key(key, dict(known))
             problems.append(f"{place}: {as_written(name)}: is no known column; {reason}")
