@@ -46,6 +46,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
+from rollslip_studies.steady_slip.evaluated import without_play
 
 #: First number of scenes of the way up, and seed of those of effective friction, that nothing else uses.
 FIRST = 100_000
@@ -138,6 +139,7 @@ def numbers(result):
             found |= {f"film parameter, {ring}": float(one["film_parameter"].min())}
             found |= {f"friction, {ring}": one["effective_friction"].to_numpy()}
         return found
+    result = without_play(result)  # errors are estimated of rollers that are set in the cage
     lasting = np.flatnonzero(result["stable"].to_numpy() == 1)
     for name, variable in NUMBERS.items():
         value = result[variable]
