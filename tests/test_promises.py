@@ -32,8 +32,8 @@ PROMISED = {
     "rollslip.fields": "FieldError at_least field in_range non_negative choice_of parameter positive",
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
-        hookimpl hookspec integrator_models life_models lubricants measurements pressure_models pressure_viscosity_laws
-        ring_models scene_formats scenes studies thermal_models torque_formulas
+        hookimpl hookspec integrator_models life_models loss_models lubricants measurements pressure_models
+        pressure_viscosity_laws ring_models scene_formats scenes studies thermal_models torque_formulas
         traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
         PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",
@@ -48,6 +48,7 @@ PROMISED = {
     "rollslip.scene": """Accuracy Bearing FrozenTable LubricantTable Material ModelChoice Models Operation Plugins
         Profile Scene Surface resolved scene_hash""",
     "rollslip.studies.rating_life.model": "LifeDuty LifeModel RatedLife",
+    "rollslip.studies.steady_slip.loss": "LossModel",
     "rollslip.studies.steady_slip.torque": "Duty TorqueFormula",
     "rollslip.studies.surface_damage.model": "Contacts DamageModel",
     "rollslip.studies.thermal_balance.model": "PLACES ROLES ThermalModel",

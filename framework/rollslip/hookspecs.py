@@ -27,6 +27,7 @@ HOOKS: Final = {
     "life_models": "Models of the rating life: classes derived from `rollslip.studies.rating_life.model.LifeModel`.",
     "torque_formulas": "Formulas of the friction torque: classes derived from "
     "`rollslip.studies.steady_slip.torque.TorqueFormula`.",
+    "loss_models": "Losses beside the rollers: classes derived from `rollslip.studies.steady_slip.loss.LossModel`.",
     "engines": "Engines of sweeps: classes derived from `rollslip.engine.Engine`.",
     "studies": "Studies: classes derived from `rollslip.studies.study.Study`.",
     "campaigns": "Campaigns: classes derived from `rollslip.planning.campaign.Campaign`.",

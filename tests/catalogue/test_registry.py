@@ -31,6 +31,7 @@ from rollslip.models import (
 from rollslip.planning.campaign import Campaign
 from rollslip.rings import RingModel
 from rollslip.studies.rating_life.model import LifeModel
+from rollslip.studies.steady_slip.loss import LossModel
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import DamageModel
@@ -194,7 +195,8 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
     beside = {
-        "thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "life": LifeModel, "ring": RingModel,
+        "thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "loss": LossModel,
+        "life": LifeModel, "ring": RingModel,
     }  # fmt: skip
     classes = {**BASES, **beside, "engine": Engine, "study": Study, "campaign": Campaign}
     if kind in classes:

@@ -42,6 +42,7 @@ from rollslip.results.dataset import xr
 from rollslip.rings import RingModel, RingShapes
 from rollslip.structure import FrozenTable
 from rollslip.studies.rating_life.model import LifeModel, RatedLife
+from rollslip.studies.steady_slip.loss import LossModel
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
@@ -1450,6 +1451,59 @@ class _Watery(Bearing):
 
 
 SOUND.append(Bearing())
+
+
+# Losses beside the rollers -------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Seal(LossModel):
+    """One torque at all speeds."""
+
+    name = "sound-loss"
+    equation = "P = M w"
+    references = SOURCE
+    place = "inner land"
+
+    torque: float = parameter(default=0.1, unit="N m", doc="torque of the seal", validator=positive)
+
+    def power(self, duty):
+        return self.torque * duty.speed
+
+
+@breaks("check_power_is_finite_and_not_negative")
+class _Motor(Seal):
+    """It drives light bearings."""
+
+    def power(self, duty):
+        return super().power(duty) * (1.0 if duty.radial_load > 100.0 else -1.0)
+
+
+@breaks("check_a_bearing_at_rest_loses_nothing")
+class _Idling(Seal):
+    """It takes 5 W more at rest, too."""
+
+    def power(self, duty):
+        return super().power(duty) + 5.0
+
+
+@breaks("check_a_bearing_at_rest_loses_nothing")
+class _Sticking(Seal):
+    """Its power does not depend on the speed, but for none."""
+
+    def power(self, duty):
+        return 5.0 if duty.speed else 0.0
+
+
+@breaks("check_power_is_of_the_size_that_bearings_have")
+class _InNewtonMillimetres(Seal):
+    """It takes N mm for N m."""
+
+    def power(self, duty):
+        return 1e3 * super().power(duty)
+
+
+SOUND.append(Seal())
 
 
 # Packages that end the process ---------------------------------------------------------------------------------------

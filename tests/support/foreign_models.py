@@ -184,6 +184,26 @@ class OneBody(ThermalModel):
 def thermal_models():
     return [OneBody]
 """,
+    "loss": """
+import attrs
+from rollslip.hookspecs import hookimpl
+from rollslip.studies.steady_slip.loss import LossModel
+
+@attrs.frozen(kw_only=True)
+class GreaseDrag(LossModel):
+    '''A constant torque of 20 N mm.'''
+
+    name = "NAME"
+    equation = "P = M w"
+    references = ("Palmgren A. Ball and Roller Bearing Engineering. SKF Industries, 1959.",)
+
+    def power(self, duty):
+        return 0.02 * duty.speed
+
+@hookimpl
+def loss_models():
+    return [GreaseDrag]
+""",
     "torque": """
 import attrs
 from rollslip.hookspecs import hookimpl

@@ -136,6 +136,10 @@ class TestTorque(Conformance):
     models = (*box("torque"), get_model("torque", "skf", series="23", drag="2006"))
 
 
+class TestLoss(Conformance):
+    models = (*box("loss"), get_model("loss", "radial-lip-seal", number=2, diameter="40 mm"))
+
+
 class TestLife(Conformance):
     models = (*box("life"), get_model("life", "iso16281", edge_stress=False))
 
@@ -168,6 +172,7 @@ def test_no_kind_is_left_out():
         "thermal",
         "damage",
         "torque",
+        "loss",
         "life",
     }
     assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "ring", *DATA}

@@ -23,7 +23,10 @@ from rollslip.testing.rules import Questionable, rests_on_evaluation
 
 BROKEN = [*BROKEN_MODELS, *BROKEN_NUMBERS, *BROKEN_IMPORT, *BROKEN_PRESSURES, *BROKEN_STUDIES]
 #: What makes no number wrong is told, and no failure.
-WARNS = {"check_python_runs_once_for_all_slices"}
+WARNS = {
+    "check_python_runs_once_for_all_slices",
+    "check_power_is_of_the_size_that_bearings_have",
+}
 
 
 @pytest.fixture(autouse=True)

@@ -533,7 +533,7 @@ def _structure_models(
     # models of studies are constructed here for their faults only
     if choices.thermal is not None:
         constructed("thermal", choices.thermal, named.at("thermal"))
-    for kind in ("damage", "torque", "life"):
+    for kind in ("damage", "torque", "loss", "life"):
         for k, choice in enumerate(getattr(choices, kind)):
             constructed(kind, choice, named.at(kind).at(k))
     return models

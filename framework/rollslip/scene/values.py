@@ -257,6 +257,10 @@ class Models:
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
         doc="formulas of the friction torque to compare with the losses: one, several, or [] for none",
     )
+    loss: tuple[ModelChoice, ...] = field(
+        default=(),
+        doc="losses beside the rollers, of seals, grease or gears: one model, several, or [] for none",
+    )
     life: tuple[ModelChoice, ...] = field(
         default=(ModelChoice(name="iso281"), ModelChoice(name="iso16281")),
         validator=attrs.validators.min_len(1),

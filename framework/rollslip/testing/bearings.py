@@ -3,6 +3,7 @@
 - Heat is conserved and flows from warm to cold.
 - Damage models are evaluated on slices that the laws of a bearing have filled (`_contacts`).
 - Each term of a friction torque resists the motion, and not less with more load.
+- Losses beside the rollers take power, and none from a bearing at rest.
 - A rating life is finite and shorter under more load.
 - Flexible rings take a part of a preload.
 """
@@ -23,6 +24,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.search import Array
 from rollslip.studies.rating_life.model import LifeDuty, LifeModel, modified_factor
+from rollslip.studies.steady_slip.loss import LossModel
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.studies.surface_damage.model import Contacts, DamageModel, harm
 from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
@@ -30,6 +32,7 @@ from rollslip.testing.rules import (
     CITATIONS_WANTED,
     Inapplicable,
     Nonconformance,
+    Questionable,
     is_citation,
     refuse_unless,
     rule,
@@ -47,6 +50,9 @@ _F1 = 3e-4
 #: Factor by which a torque may differ from Palmgren's. Formulas in use differ by up to 4; a wrong unit by 9 or more,
 #: in powers. Doubling it accepts a torque in N mm of small bearings.
 _SIZE = 50.0
+#: Factor by which a loss beside the rollers may differ from Palmgren's power without a question. Built-in seals
+#: differ by up to 62 on the drawn bearings; a torque in N mm differs by 1000 more. Doubling it still finds that.
+_LOSS_SIZE = 100.0
 #: Radial load over the square of the bore [Pa]: a tenth of usual ratings. Chosen.
 _USUAL_PRESSURE = 4e6
 #: Pitch diameter times speed [m/s] of usual bearings at work. Chosen.
@@ -74,9 +80,9 @@ def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
         )
 
 
-@rule(ThermalModel, DamageModel, TorqueFormula, LifeModel, RingModel)
+@rule(ThermalModel, DamageModel, TorqueFormula, LossModel, LifeModel, RingModel)
 def check_has_an_equation_and_references(
-    model: ThermalModel | DamageModel | TorqueFormula | LifeModel | RingModel,
+    model: ThermalModel | DamageModel | TorqueFormula | LossModel | LifeModel | RingModel,
 ) -> None:
     """A name, an equation, and references."""
     refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
@@ -284,7 +290,7 @@ def check_a_limit_has_a_source(model: DamageModel) -> None:
 def _duties() -> Iterator[Duty]:
     """Yield random bearings with a bore of 10 mm to 1 m, loads and speeds, the same in each run."""
     random = np.random.default_rng(6)
-    for _ in range(_DRAWN):
+    for temperature in np.linspace(273.15, 423.15, _DRAWN):
         bore = 10.0 ** random.uniform(-2.0, 0.0)
         outside = bore * random.uniform(1.3, 2.5)
         yield Duty(
@@ -298,6 +304,8 @@ def _duties() -> Iterator[Duty]:
             width=(outside - bore) * random.uniform(0.3, 0.7),
             series=str(random.choice(["10", "2", "22", "3", "23", "4"])),
             supply=str(random.choice(["bath", "splash", "circulating", "jet", "mist", "grease"])),
+            roller_diameter=0.25 * (outside - bore),
+            temperature=float(temperature),
         )
 
 
@@ -382,6 +390,64 @@ def check_oil_without_density_is_refused_or_accepted(formula: TorqueFormula) -> 
             known == sum(_torque(formula, duty).values()),
             "without a density the torque is another one",
         )
+
+
+# Losses beside the rollers -------------------------------------------------------------------------------------------
+
+#: Fraction of a speed at which next to nothing may be lost [1], and the largest fraction of the power there. A torque
+#: that does not depend on speed leaves 1e-6; a constant power leaves all of it. Doubling either finds the same faults.
+_SLOW = 1e-6
+#: Largest fraction of the power at that speed [1], of torques that rise towards rest as those of dry seals do.
+_MAX_SLOW_POWER = 1e-3
+
+
+def _powers(model: LossModel, speed_factor: float = 1.0) -> Iterator[tuple[Duty, float]]:
+    """Yield duties at a multiple of their speeds and the power lost there [W], of those that a loss does not refuse."""
+    refusals = 0
+    for drawn in _duties():
+        duty = attrs.evolve(drawn, speed=speed_factor * drawn.speed)
+        try:
+            yield duty, model.power(duty)
+        except DomainError:
+            refusals += 1
+    if refusals == _DRAWN:
+        raise Inapplicable("it refuses all bearings: test it with parameters that it needs")
+
+
+@rule(LossModel)
+def check_power_is_finite_and_not_negative(model: LossModel) -> None:
+    """Seals, grease and gears take power and give none."""
+    for duty, power in _powers(model):
+        refuse_unless(
+            isinstance(power, int | float) and 0.0 <= power < math.inf,
+            f"power() returned {power!r} at {duty}; return a number of watts, zero or more",
+        )
+
+
+@rule(LossModel)
+def check_a_bearing_at_rest_loses_nothing(model: LossModel) -> None:
+    """Power vanishes with the speed: at rest it is zero, and a slow bearing loses little."""
+    for duty, power in _powers(model, 0.0):
+        refuse_unless(power == 0.0, f"{power!r} W are lost at rest, at {duty}")
+    for (duty, power), (_, slow) in zip(_powers(model), _powers(model, _SLOW), strict=True):
+        refuse_unless(
+            slow <= _MAX_SLOW_POWER * power,
+            f"{slow:.4g} W are lost at {_SLOW:g} of a speed at which {power:.4g} W are, at {duty}: a torque without "
+            "bound",
+        )
+
+
+@rule(LossModel)
+def check_power_is_of_the_size_that_bearings_have(model: LossModel) -> None:
+    """Its torque is compared with Palmgren's: far more or less may be a length in mm or a torque in N mm."""
+    for duty, power in _powers(model):
+        usual = _palmgren(duty) * duty.speed
+        ratio = power / usual
+        if power and not 1.0 / _LOSS_SIZE <= ratio <= _LOSS_SIZE:
+            raise Questionable(
+                f"{power:.4g} W are {ratio:.2g} times what the bearing itself loses by Palmgren, at {duty}; a speed in "
+                "1/min, a length in mm or a torque in N mm?"
+            )
 
 
 # Rating lives ---------------------------------------------------------------------------------------------------------

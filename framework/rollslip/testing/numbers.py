@@ -29,6 +29,7 @@ from rollslip.models import (
 )
 from rollslip.references import ReferenceValue
 from rollslip.search import Array
+from rollslip.studies.steady_slip.loss import LossModel
 from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.testing.rules import (
     Inapplicable,
@@ -149,6 +150,8 @@ def _compared(model: Any, reference: ReferenceValue) -> Iterator[tuple[str, floa
         yield "its", model.torque(**reference.inputs)
     elif isinstance(model, TorqueFormula):
         yield "its", sum(model.terms(Duty(**reference.inputs)).values())
+    elif isinstance(model, LossModel):
+        yield "its", model.power(Duty(**reference.inputs))
     else:
         conditions = {
             name: reference.inputs[name] for name in CONDITIONS if name in reference.inputs
@@ -169,7 +172,7 @@ def _compared(model: Any, reference: ReferenceValue) -> Iterator[tuple[str, floa
             yield f"{form} form: {column}", float(getattr(filled, column)[0])
 
 
-@rule(SliceModel, DragModel, TorqueFormula)
+@rule(SliceModel, DragModel, TorqueFormula, LossModel)
 def check_reproduces_its_reference_values(model: Any) -> None:
     """``reference_values`` are numbers of others: of a table, a figure, another program, or worked out by hand.
 

@@ -144,6 +144,13 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
                 "cannot be tabulated; leave it out, or go through time at level pocket",
             ]
         )
+    if base.models.loss:
+        raise SceneError(
+            [
+                "models.loss: tables hold the friction of rollers and cage alone; leave it out, --set models.loss=[], "
+                "and add these losses to the torque of the tables",
+            ]
+        )
     ranges = _ranges(base, requested.over)
     error = read_fraction(requested.error)
     raise_problem_if(

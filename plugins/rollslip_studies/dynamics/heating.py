@@ -23,7 +23,7 @@ Source of waveform relaxation: E. Lelarasmee, A. E. Ruehli, A. L. Sangiovanni-Vi
 import itertools
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, ClassVar, Final, Protocol
 
@@ -43,7 +43,7 @@ from rollslip_studies.dynamics.history.time_functions import constant
 from rollslip_studies.dynamics.history_findings import HEAT
 from rollslip_studies.dynamics.levels.moving_bearing import MovingBearing
 from rollslip_studies.dynamics.termination import with_cause
-from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.losses import named_losses, power_balance
 from rollslip_studies.motion.time_integration import Trajectory
 from rollslip_studies.motion.torque_balance import TorqueBalance
 
@@ -221,6 +221,8 @@ def solve_temperatures(
             current = 0.5 * (guesses[-1] + current)
             continue
         heat = _heat_by_place(moving, found, rolling)
+        for place, joules in _external_heat(bearing, history, times, moving.ring_speeds(times)):
+            heat[place] = heat.get(place, 0.0) + joules
         temperatures, carried = _temperatures(model, start, times, heat)
         change = temperatures - current
         max_change = float(np.abs(change).max())
@@ -352,6 +354,29 @@ def _heat_by_place(
             middle = 0.5 * (speed[1:] + speed[:-1])
         heat[place] = heat.get(place, 0.0) + _cumulative(fraction * (middle * impulse - work))
     return heat
+
+
+def _external_heat(
+    assembly: Assembly, history: History | None, times: Array, ring_speeds: Array
+) -> Iterator[tuple[str, Array]]:
+    """Yield place and heat since the start [J], (m,), of each loss beside the rollers that a scene names.
+
+    The powers are those of the operation at the times (m,), between which they are linear.
+    """
+    if not (named := named_losses(assembly.scene)):
+        return
+    from rollslip.studies.steady_slip.loss import lost_power  # only such scenes need it
+    from rollslip.studies.steady_slip.torque import Duty
+
+    courses = {} if history is None else history.at(times)
+    courses["speed"] = np.abs(ring_speeds[0] - ring_speeds[1])
+    duties = [
+        Duty.of(assembly, **{name: float(values[k]) for name, values in courses.items()})
+        for k in range(times.size)
+    ]
+    for _, model in named:
+        power = np.array([lost_power(model, duty) for duty in duties])
+        yield model.place, _cumulative(0.5 * (power[1:] + power[:-1]) * np.diff(times))
 
 
 def _place(against: str) -> str:

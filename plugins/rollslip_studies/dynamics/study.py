@@ -68,6 +68,7 @@ from rollslip_studies.dynamics.termination import (
 )
 from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip_studies.motion.checkpoints import Checkpoints
+from rollslip_studies.motion.losses import named_losses
 from rollslip_studies.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip_studies.surface_damage.over_motion import over_motion
 
@@ -429,7 +430,7 @@ class Dynamics(Study):
         return (
             *(("drag", model) for model in assembly.cage.drags),
             ("integrator", self.method(assembly)),
-            *([] if heat is None else [("thermal", heat)]),
+            *([] if heat is None else [("thermal", heat), *named_losses(assembly.scene)]),
             *(("damage", model) for model in damage_of(assembly)),
         )
 

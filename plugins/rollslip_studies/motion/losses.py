@@ -3,7 +3,7 @@
 - In the frame of the cage, with V the sliding and u the entrainment speeds of the contacts, the losses of a roller are
   F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by rolling resistance and M w_r in its pocket, or at its
   neighbours. A drag on the cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what does
-  not move.
+  not move. Losses beside the rollers, of seals for example, brake the rings against each other.
 - The rings supply Z <R_i (F_i + F_Ri)> w_i and Z <R_o (F_o - F_Ro)> w_o, and the torques on the cage from their lands.
   With the torques of `rollslip_studies.motion.torque_balance`, identically::
 
@@ -15,24 +15,30 @@
 """
 
 from collections import Counter
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import TotalResistance
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts
 from rollslip.models import ResistanceModel
+from rollslip.scene.values import Scene
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
 
-__all__ = ["Loss", "PowerBalance", "power_balance"]
+if TYPE_CHECKING:
+    from rollslip.studies.steady_slip.loss import LossModel
+
+__all__ = ["Loss", "PowerBalance", "named_losses", "power_balance"]
 
 
 @attrs.frozen
 class Loss:
     """Power that is lost to friction."""
 
-    source: str  # "sliding, inner raceway", or the name of a drag
+    source: str  # "sliding, inner raceway", or the name of a drag or of a loss beside the rollers
     #: Where its heat arises: "inner contact", "outer contact" or "pocket"; for a torque on the cage "inner land",
     #: "outer land", or "oil" where a body that does not move bears the reaction.
     place: str
@@ -52,6 +58,8 @@ class PowerBalance:
     #: Power that accelerates cage and rollers [W]: at a steady slip, rounding and the discretisation error in
     #: position.
     stored: float
+    #: Torque of the losses beside the rollers [N m], a part of `friction_torque`; 0 where the scene names none.
+    external_torque: float = 0.0
 
     @property
     def total(self) -> float:
@@ -128,6 +136,13 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
             place = "oil"
             speed = 0.0
         losses.append(Loss(model.name, place, -torque * (cage_speed - speed)))
+    external_torque = 0.0
+    if external := _external_losses(balance.assembly):
+        losses += external
+        relative_speed = abs(k.inner_speed - k.outer_speed)
+        external_torque = sum(loss.power for loss in external) / relative_speed
+        torques[0] += external_torque
+        torques[1] -= external_torque
     stored = cage_speed * (all_rollers(on_cage) + drag) + all_rollers(spin * spin_torque)
     rings = torques[0] * ring_speeds[0], torques[1] * ring_speeds[1]
     return PowerBalance(
@@ -135,7 +150,28 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
         torques=(torques[0], torques[1]),
         rings=rings,
         stored=stored,
+        external_torque=external_torque,
     )
+
+
+def named_losses(scene: Scene) -> tuple[tuple[str, "LossModel"], ...]:
+    """Return the models of losses beside the rollers that a scene names, each with the name of its kind."""
+    if not scene.models.loss:
+        return ()
+    from rollslip.studies.steady_slip.loss import loss_models  # only such scenes need it
+
+    return tuple(("loss", model) for model in loss_models(scene))
+
+
+def _external_losses(assembly: Assembly) -> list[Loss]:
+    """Return the losses beside the rollers that a scene names."""
+    if not (named := named_losses(assembly.scene)):
+        return []
+    from rollslip.studies.steady_slip.loss import lost_power  # only such scenes need it
+    from rollslip.studies.steady_slip.torque import Duty
+
+    duty = Duty.of(assembly)
+    return [Loss(model.name, model.place, lost_power(model, duty)) for _, model in named]
 
 
 def _rolling_losses(

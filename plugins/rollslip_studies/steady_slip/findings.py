@@ -480,7 +480,8 @@ def _describe_losses(dataset: "xr.Dataset") -> list[str]:
 def _ratio_to_formulas(dataset: "xr.Dataset", state: "xr.Dataset | None" = None) -> float:
     """Return the friction torque at a steady slip, by default the smallest stable one, over the formulas' mean.
 
-    The mean is the geometric one of the formulas that have a torque. The ratio is NaN without them.
+    The mean is the geometric one of the formulas that have a torque. The ratio is NaN without them. The torque is that
+    without losses beside the rollers, which formulas do not cover.
     """
     if "formula_torque" not in dataset or not has_steady(dataset):
         return math.nan
@@ -490,6 +491,8 @@ def _ratio_to_formulas(dataset: "xr.Dataset", state: "xr.Dataset | None" = None)
     known = dataset["formula_torque"].to_numpy()
     known = known[np.isfinite(known) & (known > 0.0)]
     own = math.nan if state is None else float(state["friction_torque"])
+    if state is not None and "external_torque" in state:
+        own -= float(state["external_torque"])
     return own / float(np.exp(np.log(known).mean())) if known.size and own > 0.0 else math.nan
 
 
@@ -497,7 +500,8 @@ def _describe_ratio(dataset: "xr.Dataset", state: "xr.Dataset") -> str:
     """Return the ratio of the friction torque at a steady slip to the formulas of makers; empty without them."""
     if math.isnan(ratio := _ratio_to_formulas(dataset, state)):
         return ""
-    return f", {ratio:.2g} times what makers' formulas give"
+    covered = "without the losses of models.loss " * ("external_torque" in state)
+    return f", {covered}{ratio:.2g} times what makers' formulas give"
 
 
 def _is_slow(dataset: "xr.Dataset") -> bool:
@@ -577,7 +581,7 @@ def _describe_formulas(dataset: "xr.Dataset") -> list[str]:
         sentences.append(
             f"by formula {str(name)!r} the friction torque is "
             f"{format_quantity(float(torque), 'N m', 3)}: {fractions}; it "
-            "includes no slip and no other drag"
+            f"includes no slip and no other drag{', nor models.loss' * ('external_torque' in dataset)}"
         )
     if "formula_estimated" in dataset and (names := str(dataset["formula_estimated"].item())):
         sentences.append(

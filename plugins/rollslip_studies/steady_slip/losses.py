@@ -65,6 +65,8 @@ def loss_variables(
         "stored_power": np.array([state.stored for state in balances]),
         "friction_torque": np.array([state.friction_torque for state in balances]),
     }
+    if balance.assembly.scene.models.loss:
+        values["external_torque"] = np.array([state.external_torque for state in balances])
     variables = {
         name: LOSSES[name].variable(value if steady else np.full_like(value, np.nan))
         for name, value in values.items()

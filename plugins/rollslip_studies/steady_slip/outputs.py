@@ -38,6 +38,12 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
             "friction torque of the bearing: torque of the ring that puts most power in",
             status="status",
         ),
+        "external_torque": Output(
+            "steady",
+            "N m",
+            "part of the friction torque by losses beside the rollers, which models.loss names",
+            status="status",
+        ),
     }
 )
 #: What a roller with play in its pocket does in a turn of the cage, and the answers without the play.

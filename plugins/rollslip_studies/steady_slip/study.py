@@ -52,6 +52,7 @@ from rollslip.studies.rating_life.largest_load import largest_load
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.effective_friction.raceways import largest_relative_change
 from rollslip_studies.motion.loading_branch import LoadingBranch, SteadyMotion
+from rollslip_studies.motion.losses import named_losses
 from rollslip_studies.motion.torque_balance import (
     RANGE,
     Orbit,
@@ -73,10 +74,7 @@ from rollslip_studies.steady_slip.evaluated import (
     require_driven,
     without_play,
 )
-from rollslip_studies.steady_slip.losses import (
-    estimate_answer_errors,
-    loss_variables,
-)
+from rollslip_studies.steady_slip.losses import estimate_answer_errors, loss_variables
 from rollslip_studies.steady_slip.minimum_load import (
     RULES,
     minimum_load,
@@ -357,14 +355,15 @@ class SteadySlip(Study):
         )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags.
+        """Return the drags, and the losses beside the rollers.
 
         Raises
         ------
         SceneError, PluginError
-            If the cage is wrong, or a drag is not installed.
+            If the cage is wrong, or a model is not installed.
         """
-        return tuple(("drag", model) for model in assembly.cage.drags)
+        drags = (("drag", model) for model in assembly.cage.drags)
+        return *drags, *named_losses(assembly.scene)
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the slip-drag curve, the steady slips, and these over the operating conditions that are followed.

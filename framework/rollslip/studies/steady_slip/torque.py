@@ -88,14 +88,23 @@ class Duty:
     )
     #: Level of a bath above the lowest point of the outer raceway [m]; None for the centre of the lowest roller.
     oil_level: float | None = None
+    temperature: float | None = None  #: Temperature of the oil [K], None if it is not known.
 
     @classmethod
-    def of(cls, assembly: Assembly) -> "Duty":
-        """Return the duty of an assembled bearing."""
+    def of(cls, assembly: Assembly, **conditions: float) -> "Duty":
+        """Return the duty of an assembled bearing.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing.
+        **conditions : float
+            Temperature of the oil, radial load and relative speed of the rings, where they differ from the scene.
+        """
         bearing = assembly.scene.bearing
         operation = assembly.scene.operation
         oil = assembly.lubricant
-        T = operation.temperature
+        T = conditions.get("temperature", operation.temperature)
         listed = bearing.catalogue or Catalogue()
         guessed: dict[str, Any] = {
             "bore": bearing.boundaries[0],
@@ -111,9 +120,10 @@ class Duty:
             supply=assembly.scene.lubrication.supply,
             oil_level=assembly.scene.lubrication.oil_level,
             pitch_diameter=bearing.pitch_diameter,
-            radial_load=operation.radial_load,
-            speed=abs(operation.inner_speed - operation.outer_speed),
+            radial_load=conditions.get("radial_load", operation.radial_load),
+            speed=conditions.get("speed", abs(operation.inner_speed - operation.outer_speed)),
             viscosity=oil.at(T).viscosity,
+            temperature=T,
             density=None if oil.density is None else oil.density(T),
         )
 
