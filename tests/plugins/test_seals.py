@@ -95,7 +95,8 @@ def test_a_result_has_the_seals_and_is_compared_with_formulas_without_them():
     torque = sealed.friction_torque - sealed.external_torque
     assert torque.to_numpy() == pytest.approx(plain.friction_torque.to_numpy(), rel=1e-9)
     assert _ratio_to_formulas(sealed) == pytest.approx(_ratio_to_formulas(plain), rel=1e-9)
-    sentences = "\n".join(sum(SteadySlipAccount.topics(sealed).values(), []))
+    topics = SteadySlipAccount.topics(sealed).values()
+    sentences = "\n".join(sentence for topic in topics for sentence in topic)
     assert "% skf-seals" in sentences
     assert "without the losses of models.loss" in sentences
     assert "no other drag, nor models.loss" in sentences

@@ -159,6 +159,46 @@ class WrongShortWay(HeaviestForce):
 
 
 @attrs.frozen(kw_only=True)
+class Complex(HeaviestForce):
+    """A value is complex, which a sweep would store as text."""
+
+    def change(self, variables, assembly):
+        variables["margin"] = ((), 1.0 + 2.0j, variables["margin"][2])
+
+
+@attrs.frozen(kw_only=True)
+class Huge(HeaviestForce):
+    """A number has more digits than a double."""
+
+    def change(self, variables, assembly):
+        variables["margin"] = ((), 2**53 + 1, variables["margin"][2])
+
+
+@attrs.frozen(kw_only=True)
+class NoDefaults(HeaviestForce):
+    """A sweep that names no outputs would store none."""
+
+    outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
+        {
+            name: attrs.evolve(output, default=False)
+            for name, output in HeaviestForce.outputs.items()
+        }
+    )
+
+
+@attrs.frozen(kw_only=True)
+class OfSamples(HeaviestForce):
+    """A dimension is that of the samples of a sweep."""
+
+    outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
+        {
+            **HeaviestForce.outputs,
+            "force": Output("sample", "N", "largest normal force", default=True),
+        }
+    )
+
+
+@attrs.frozen(kw_only=True)
 class NegativeCost(HeaviestForce):
     """A part of the plan costs less than nothing."""
 
@@ -237,6 +277,10 @@ BROKEN = [
     ("check_what_does_not_act_changes_nothing", ActsInSecret()),
     ("check_leaving_outputs_out_changes_no_other", LeavesOutTooMuch()),
     ("check_short_ways_give_what_a_run_gives", WrongShortWay()),
+    ("check_a_sweep_returns_its_outputs", Complex()),
+    ("check_a_sweep_returns_its_outputs", Huge()),
+    ("check_a_sweep_returns_its_outputs", NoDefaults()),
+    ("check_a_sweep_returns_its_outputs", OfSamples()),
     ("check_it_is_planned", NegativeCost()),
     ("check_it_is_planned", HiddenCost()),
     ("check_it_is_planned", NoEstimate()),

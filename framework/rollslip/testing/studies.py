@@ -255,6 +255,32 @@ def check_short_ways_give_what_a_run_gives(study: Study) -> None:
 
 
 @rule(Study)
+def check_a_sweep_returns_its_outputs(study: Study) -> None:
+    """A sweep stores numbers in double precision, texts, and what the user does not have to name."""
+    refuse_unless(
+        any(output.default for output in study.outputs.values()),
+        "no output is declared with default=True, so that a sweep stores nothing unless it names outputs",
+    )
+    names = [name for name in study.outputs if _value(_result(study), name) is not None]
+    variables, _, _ = evaluate(study.with_resolution(_COARSE), _assembly(), names)
+    for name in names:
+        refuse_unless(name in variables, f"{name} is in a run, and not at a point of a sweep")
+        dims, values, _ = variables[name]
+        refuse_unless(
+            values.dtype.kind in "fiubU" or all(isinstance(text, str) for text in values.flat),
+            f"a sweep cannot return {name}, of type {values.dtype}: give numbers or texts; of a complex number two",
+        )
+        refuse_unless(
+            values.dtype.kind not in "iu" or not _differs(values.astype(float).astype(int), values),
+            f"a sweep cannot return {name}: an integer above 2^53 has no exact double",
+        )
+        taken = {"sample", *_TIMES, "status", "message"} & {*dims}
+        refuse_unless(
+            not taken, f"{name} has the dimension {', '.join(taken)}, which is that of a sweep"
+        )
+
+
+@rule(Study)
 def check_it_is_planned(study: Study) -> None:
     """A plan asks for resolution, errors, costs and lines, and prints them."""
     stated = assemble(_scene())
