@@ -25,17 +25,18 @@ def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
     # a maximum is only found to the root of the rounding of its value
     assert found.slip == pytest.approx(peak, abs=3e-7)
     assert found.friction == pytest.approx(height, rel=1e-12)
+    assert found.bound == found.slip
 
 
 @pytest.mark.parametrize(
-    ("values", "status"),
+    ("values", "status", "bound"),
     [
-        ([0.0, 0.0, 0.0, 0.0], "there is no friction"),
-        ([0.0, 1.0, 2.0, 3.0], "still rises"),
-        ([0.0, 1.0, 1.0, 1.0], "stays at its largest value"),
+        ([0.0, 0.0, 0.0, 0.0], "there is no friction", np.nan),
+        ([0.0, 1.0, 2.0, 3.0], "still rises", 0.3),
+        ([0.0, 1.0, 1.0, 1.0], "stays at its largest value", 0.3),
     ],
 )
-def test_locate_says_in_words_what_there_is_instead(values, status):
+def test_locate_says_in_words_what_there_is_instead(values, status, bound):
     slip = np.linspace(0.0, 0.3, 4)
     found = find_critical_slip(
         lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip"
@@ -43,6 +44,7 @@ def test_locate_says_in_words_what_there_is_instead(values, status):
     assert status in found.status
     assert np.isnan(found.slip)
     assert np.isnan(found.friction)
+    assert found.bound == pytest.approx(bound, nan_ok=True)
 
 
 def test_two_equal_maxima_give_the_first():

@@ -1227,3 +1227,15 @@ def test_few_points_are_told_one_by_one():
     ]
     slips = 100.0 * found["steady_cage_slip"].to_numpy().ravel()
     assert [float(row[2]) for row in told.rows] == pytest.approx(slips, rel=0.05)
+
+
+def test_a_critical_slip_beyond_the_range_has_a_bound_and_no_texts_in_the_table():
+    settings = {"study.effective-friction.max_cage_slip": 0.05, "accuracy.slices": 3}
+    over = {"load": ["1 kN", "2 kN"]}
+    found = rollslip.sweep(coarse("gearbox", settings), over, study="effective-friction")
+    assert np.isnan(found["critical_cage_slip"]).all()
+    assert (found["critical_slip_bound"] == 0.05).all()
+    answer = account_of(found).answer(found)
+    assert answer.summary == "critical slip bound, inner ring 5.0 % over 2 points"
+    (told,) = account_of(found).tables(found)
+    assert not any("status" in name for name in told.head)

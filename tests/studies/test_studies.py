@@ -51,7 +51,7 @@ ELSEWHERE = {
                  "ring_deflection", "form_angle", *OVER_MOTION},
     "steady-slip": {
         f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
-        "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},
+        "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")} | {"external_torque"},
 }  # fmt: skip
 
 

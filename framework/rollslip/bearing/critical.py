@@ -43,7 +43,8 @@ class Critical:
 
     ``status`` is "found", or a sentence which says why both are NaN. ``first_slip`` and ``first_friction`` are the
     first maximum, from which friction falls; it is the largest one unless friction rises again. Both are NaN if
-    friction does not fall anywhere in the range.
+    friction does not fall anywhere in the range. ``bound`` is a lower bound of the slip: the slip itself, or the end of
+    a range in which friction does not fall; NaN without friction.
     """
 
     slip: float
@@ -51,6 +52,7 @@ class Critical:
     status: str
     first_slip: float = math.nan
     first_friction: float = math.nan
+    bound: float = math.nan
 
 
 def search_range_hint(key: str, current_slip: float, max_slip: float) -> str:
@@ -169,9 +171,9 @@ def _critical_slip(curve: Curve, maxima: Sequence[tuple[float, float]]) -> Criti
     falls = height - friction[-1] > _ROUNDING * height
     first = maxima[-1] if falls or len(maxima) > 1 else (math.nan, math.nan)
     if falls:
-        return Critical(top, height, "found", *first)
+        return Critical(top, height, "found", *first, bound=top)
     rises = friction[-1] - friction[-2] > _ROUNDING * height
     what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
     further = search_range_hint(curve.range_key, float(slip[-1]), curve.max_slip)
     status = f"no slip at largest traction: friction {what} the range, {slip[-1]:.4g}{further}"
-    return Critical(np.nan, np.nan, status, *first)
+    return Critical(np.nan, np.nan, status, *first, bound=float(slip[-1]))

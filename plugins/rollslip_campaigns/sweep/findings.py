@@ -58,9 +58,10 @@ class SweepAccount(Account):
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
-        """Return the range of the first output, the points at which the cage skids, and some points."""
+        """Return the range of the first output with a value, the points at which the cage skids, and some points."""
         summaries = _summaries(dataset)
-        name, summary = next(iter(summaries.items()), ("no output", None))
+        outputs = sorted(summaries.items(), key=lambda item: not item[1]["values"])
+        name, summary = next(iter(outputs), ("no output", None))
         counts = json.loads(dataset.attrs["counts"])
         number = sum(counts.values())
         parts = [f"{name.replace('_', ' ')} {_format_range(name, summary)} over {number} points"]
@@ -139,7 +140,9 @@ def point_table(spreadsheet: SpreadsheetRows, varied: Collection[str]) -> list[T
     columns = [
         k
         for k, name in enumerate(head)
-        if not name.endswith("status") and name.partition(" [")[0] not in ("message", "seconds")
+        # of an output of both rings the name of the ring follows
+        if not name.partition(" ")[0].endswith("status")
+        and name.partition(" [")[0] not in ("message", "seconds")
     ]
     if len(rows) > _MAX_ROWS or not len(varied) < len(columns) <= _MAX_COLUMNS:
         return []

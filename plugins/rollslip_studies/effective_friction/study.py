@@ -83,7 +83,14 @@ CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
 
 #: Outputs of the curves and their maxima.
 _CURVE_OUTPUTS: Final = frozenset(
-    {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status", *FIRST}
+    {
+        "effective_friction",
+        "critical_cage_slip",
+        "critical_friction",
+        "critical_status",
+        "critical_slip_bound",
+        *FIRST,
+    }
 )
 #: Dimensions of the curves.
 _CURVE: Final = "ring cage_slip"
@@ -106,6 +113,13 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             default=True,
         ),
         "critical_status": Output("ring", "1", "what was found of the slip at largest traction"),
+        "critical_slip_bound": Output(
+            "ring",
+            "1",
+            "lower bound of the cage slip at largest traction: that slip, or the end of the range",
+            status="critical_status",
+            default=True,
+        ),
         "first_maximum_slip": Output(
             "ring",
             "1",
@@ -791,7 +805,13 @@ def _curve_variables(
     curves = {} if friction is None else EffectiveFriction.variables(effective_friction=friction)
     columns = map(np.array, zip(*map(attrs.astuple, critical), strict=True))
     # in the order of the fields of `Critical`
-    names = ("critical_cage_slip", "critical_friction", "critical_status", *FIRST)
+    names = (
+        "critical_cage_slip",
+        "critical_friction",
+        "critical_status",
+        *FIRST,
+        "critical_slip_bound",
+    )
     return curves | EffectiveFriction.variables(**dict(zip(names, columns, strict=True))), {
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),

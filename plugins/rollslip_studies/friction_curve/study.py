@@ -54,6 +54,13 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             _OF_FORCE, "1", "largest friction coefficient", status="critical_status", default=True
         ),
         "critical_status": Output(_OF_FORCE, "1", "what was found of the slip at largest traction"),
+        "critical_slip_bound": Output(
+            _OF_FORCE,
+            "1",
+            "lower bound of the slip at largest traction: that slip, or the end of the range",
+            status="critical_status",
+            default=True,
+        ),
         "first_maximum_slip": Output(
             _OF_FORCE,
             "1",
@@ -248,6 +255,7 @@ class FrictionCurve(Study):
             "critical_slip",
             "critical_friction",
             "critical_status",
+            "critical_slip_bound",
             *FIRST,
         }:
             return None
@@ -287,7 +295,13 @@ class FrictionCurve(Study):
         curves = {} if friction is None else self.variables(friction=np.stack(friction))
         columns = map(np.array, zip(*map(attrs.astuple, critical), strict=True))
         # in the order of the fields of `Critical`
-        names = ("critical_slip", "critical_friction", "critical_status", *FIRST)
+        names = (
+            "critical_slip",
+            "critical_friction",
+            "critical_status",
+            *FIRST,
+            "critical_slip_bound",
+        )
         return curves | self.variables(**dict(zip(names, columns, strict=True))), {
             "normal_force": (
                 "normal_force",
