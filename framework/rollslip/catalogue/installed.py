@@ -1,19 +1,23 @@
 """Read the kinds and objects that installed packages offer from package metadata, without importing any package."""
 
+import hashlib
 import importlib.metadata
+import importlib.util
+import json
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from functools import cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 import attrs
 
 __all__ = [
-    "THIS_PROCESS", "UNPACKAGED", "Offer", "by_package", "canonical", "entry_points", "installed", "is_disabled",
-    "kinds", "ordered", "with_session",
+    "THIS_PROCESS", "UNPACKAGED", "Offer", "by_package", "canonical", "edited", "entry_points", "installed",
+    "is_disabled", "kinds", "ordered", "with_session",
 ]  # fmt: skip
 
 
@@ -212,3 +216,33 @@ def with_session(
         for (kind, name), thing in registered.items()
     ]
     return ordered([*replaced, *ours])
+
+
+def edited(packages: Iterable[str]) -> dict[str, str]:
+    """Return a digest of the files of each package with an editable installation, whose version is not sufficient."""
+    return {name: digest for name in packages if (digest := _digest(name))}
+
+
+@cache
+def _digest(package: str) -> str:
+    """Return the digest of the files of a package with an editable installation; empty for other packages."""
+    try:
+        distribution = importlib.metadata.distribution(package)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+    about = json.loads(distribution.read_text("direct_url.json") or "{}")
+    if not about.get("dir_info", {}).get("editable"):
+        return ""
+    digest = hashlib.sha256()
+    for top in sorted(
+        {point.value.partition(":")[0].partition(".")[0] for point in distribution.entry_points}
+    ):
+        spec = importlib.util.find_spec(top)
+        folders = [] if spec is None else list(spec.submodule_search_locations or ())
+        single = [] if spec is None or folders or spec.origin is None else [Path(spec.origin)]
+        for path in sorted(
+            (*(path for folder in folders for path in Path(folder).rglob("*")), *single)
+        ):
+            if path.is_file() and path.suffix != ".pyc":
+                digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()

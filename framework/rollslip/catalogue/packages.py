@@ -1,13 +1,9 @@
 """The packages that offer models: their states, and the packages that a scene requires."""
 
-import hashlib
 import importlib.metadata
 import importlib.util
-import json
 from collections.abc import Iterable
 from contextlib import suppress
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -18,7 +14,7 @@ from rollslip.catalogue.kinds import kinds
 from rollslip.errors import PluginError, nearest
 from rollslip.structure import Location, raise_problems
 
-__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "edited", "packages", "requirements",
+__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "packages", "requirements",
            "unread"]  # fmt: skip
 
 
@@ -72,36 +68,6 @@ def unread() -> dict[str, str]:
                         f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
                     )
     return dict(sorted(messages.items()))
-
-
-def edited(packages: Iterable[str]) -> dict[str, str]:
-    """Return a digest of the files of each package with an editable installation, whose version is not sufficient."""
-    return {name: digest for name in packages if (digest := _digest(name))}
-
-
-@cache
-def _digest(package: str) -> str:
-    """Return the digest of the files of a package with an editable installation; empty for other packages."""
-    try:
-        distribution = importlib.metadata.distribution(package)
-    except importlib.metadata.PackageNotFoundError:
-        return ""
-    about = json.loads(distribution.read_text("direct_url.json") or "{}")
-    if not about.get("dir_info", {}).get("editable"):
-        return ""
-    digest = hashlib.sha256()
-    for top in sorted(
-        {point.value.partition(":")[0].partition(".")[0] for point in distribution.entry_points}
-    ):
-        spec = importlib.util.find_spec(top)
-        folders = [] if spec is None else list(spec.submodule_search_locations or ())
-        single = [] if spec is None or folders or spec.origin is None else [Path(spec.origin)]
-        for path in sorted(
-            (*(path for folder in folders for path in Path(folder).rglob("*")), *single)
-        ):
-            if path.is_file() and path.suffix != ".pyc":
-                digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
 
 
 def _tried(offer: Offer) -> Offer:

@@ -5,24 +5,39 @@
   opened. A program that changes a file in place cuts the checksum off; an attribute says that there should be one.
 - A file is written completely or not at all (`rollslip.files`). It is built in memory, because HDF5 on a full disk
   leaves a file that cannot be closed and ends the process.
+- ``ro-crate-metadata.json`` describes a folder as a research object, in the terms of schema.org (JSON-LD): files with
+  checksums, who publishes them under which licence, programs with versions and checksums, models, scenes and sources,
+  and by which command on which platform they were computed. It is written without the library rocrate, which requires
+  requests, jinja2 and arcp for one file of JSON.
+
+Source: P. Sefton et al., RO-Crate Metadata Specification 1.1, 2020, doi:10.5281/zenodo.4031327.
 """
 
 import importlib
+import importlib.metadata
 import io
 import json
 import math
+import mimetypes
 import os
+import platform
 import re
-from collections.abc import Mapping
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from hashlib import sha256
 from numbers import Real
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
 
+import attrs
 import numpy as np
 
-from rollslip.errors import OutputError
+from rollslip.catalogue.installed import edited
+from rollslip.errors import OutputError, SceneError, nearest
 from rollslip.files import readable, whole_file
 from rollslip.references import Citation, from_dict, unique_works
 
@@ -192,7 +207,12 @@ def rows_along(dataset: "xr.Dataset", dim: str) -> list[dict[str, Any]]:
     ]
 
 
-def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
+def save(
+    dataset: "xr.Dataset",
+    path: str | os.PathLike[str],
+    *,
+    crate: Mapping[str, Any] | None = None,
+) -> None:
     """Write a dataset as netCDF-4; the file is written completely or not at all.
 
     Parameters
@@ -201,12 +221,19 @@ def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
         The result.
     path : str or path
         The file; `open_result` reads it.
+    crate : mapping, optional
+        Who publishes the folder of the file: ``title``, ``authors`` (names, or tables of name, orcid and affiliation),
+        ``licence`` and ``doi``, any of which may be missing. The folder then gets RO-Crate metadata of all its files,
+        and of all results among them: ``ro-crate-metadata.json``, which repositories read.
 
     Raises
     ------
     OutputError
         If it cannot be written.
+    SceneError
+        If ``crate`` has an unknown or a wrong value.
     """
+    published = None if crate is None else publication(crate, "crate")
     attributes = dict(dataset.attrs)  # those of a run are computed now
     stored = dataset.copy()
     stored.attrs = attributes | {_MARK[0]: _MARK[1]}
@@ -225,6 +252,10 @@ def save(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
     content = bytes(stored.to_netcdf(engine="h5netcdf", encoding=encoding))
     with whole_file(Path(path)) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
+    if published is not None:
+        folder = Path(path).parent
+        results = {file.name: open_result(file).attrs for file in sorted(folder.glob("*.nc"))}
+        write_crate(folder, published, results)
 
 
 def _fixed_length(text: str) -> Any:
@@ -364,3 +395,248 @@ def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
         for dataset in datasets
         for item in json.loads(dataset.attrs.get(data, dataset.attrs.get(texts, "[]")))
     )
+
+
+# Research objects ----------------------------------------------------------------------------------------------------
+
+#: File with the metadata of a research object, named by the specification.
+CRATE: Final = "ro-crate-metadata.json"
+#: Terms of the metadata, and the version of the specification that it conforms to.
+_CONTEXT: Final = "https://w3id.org/ro/crate/1.1"
+#: Type of netCDF files, which the standard library does not know.
+_NETCDF: Final = "application/x-netcdf"
+#: Name of what is not stated, such as a licence: whoever publishes the folder replaces it.
+_NOT_STATED: Final = "not stated"
+
+
+@attrs.frozen(kw_only=True)
+class Author:
+    """Somebody who publishes results."""
+
+    name: str  #: As printed.
+    orcid: str = ""  #: ORCID iD, such as 0000-0002-1825-0097.
+    affiliation: str = ""  #: Institution.
+
+
+@attrs.frozen(kw_only=True)
+class Publication:
+    """Who publishes a folder of results, and how."""
+
+    title: str = ""  #: By default that of the scene.
+    authors: tuple[Author, ...] = ()
+    licence: str = ""  #: An address, or an SPDX name such as CC-BY-4.0.
+    doi: str = ""  #: Once there is one.
+
+
+def publication(stated: Mapping[str, Any], where: str) -> Publication:
+    """Return who publishes results, from a table.
+
+    Parameters
+    ----------
+    stated : mapping
+        Values by the names of the fields of `Publication`; an author is a name, or a table of those of `Author`.
+    where : str
+        Name of the table, for messages.
+
+    Raises
+    ------
+    SceneError
+        If a key is unknown or a value is no text.
+    """
+    authors = stated.get("authors", ())
+    if isinstance(authors, str) or not isinstance(authors, Sequence):
+        raise SceneError([f"{where}.authors: a list of names, or of tables, is expected"])
+    tables = [{"name": author} if isinstance(author, str) else author for author in authors]
+    made = [
+        Author(**_texts(Author, table, f"{where}.authors[{k}]")) for k, table in enumerate(tables)
+    ]
+    others = {key: value for key, value in stated.items() if key != "authors"}
+    return Publication(**_texts(Publication, others, where), authors=tuple(made))
+
+
+def _texts(cls: type, stated: Any, where: str) -> dict[str, Any]:
+    """Return a table whose values are texts and whose keys are fields of a class; `SceneError` for any other."""
+    known = [field.name for field in attrs.fields(cls)]
+    if not isinstance(stated, Mapping):
+        raise SceneError([f"{where}: a table with {', '.join(known)} is expected, not {stated!r}"])
+    problems = []
+    for key, value in stated.items():
+        if key not in known:
+            near = [f"did you mean {name!r}? " for name in nearest(str(key), known, 1)]
+            problems.append(
+                f"{where}.{key}: unknown key; {''.join(near)}there are {', '.join(known)}"
+            )
+        elif not isinstance(value, str):
+            problems.append(f"{where}.{key}: a text is expected, not {value!r}")
+    if cls is Author and "name" not in stated:
+        problems.append(f"{where}: the name is missing")
+    if problems:
+        raise SceneError(problems)
+    return dict(stated)
+
+
+def write_crate(
+    folder: Path, published: Publication, results: Mapping[str, Mapping[Any, Any]]
+) -> Path:
+    """Write the metadata of a folder as a research object, and return its path.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; all its files are described.
+    published : Publication
+        Who publishes it.
+    results : mapping
+        Name of the file of each result -> the attributes of its dataset.
+    """
+    first = next(iter(results.values()))
+    authors = [_author(author) for author in published.authors]
+    files = sorted(
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and path.name not in (CRATE, "manifest.json") and path.name[0] != "."
+    )
+    entities = [_file(folder, name) for name in files]
+    packages = dict[str, str]()
+    actions = list[dict[str, Any]]()
+    sources = dict[str, dict[str, Any]]()
+    for name, attributes in results.items():
+        packages |= json.loads(attributes.get("packages", "{}"))
+        models = [_model(model) for model in json.loads(attributes.get("models", "[]"))]
+        scene = _scene(attributes)
+        entities += [*models, scene]
+        for values in json.loads(attributes.get("bibliography", "[]")):
+            source = _source(values)
+            sources[source["@id"]] = source
+        actions.append(
+            {
+                "@id": f"#run-{quote(name)}",
+                "@type": "CreateAction",
+                "name": f"{attributes['study']} by rollslip",
+                "description": shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]),
+                "endTime": attributes["created"],
+                "instrument": [
+                    *({"@id": f"#package-{quote(package)}"} for package in packages),
+                    *_links(models),
+                    {"@id": "#platform"},
+                ],
+                "object": {"@id": scene["@id"]},
+                "result": {"@id": quote(name)},
+            }
+        )
+    licence = {
+        "@id": published.licence if published.licence.startswith("http") else "#licence",
+        "@type": "CreativeWork",
+        "name": published.licence or _NOT_STATED,
+    }
+    root = {
+        "@id": "./",
+        "@type": "Dataset",
+        "name": published.title or first.get("title") or f"Results of {first['study']}",
+        "description": first.get("description") or f"Computed by rollslip: {', '.join(results)}",
+        "datePublished": first["created"],
+        "identifier": f"https://doi.org/{published.doi}" if published.doi else f"DOI {_NOT_STATED}",
+        "license": {"@id": licence["@id"]},
+        "author": _links(authors),
+        "hasPart": [{"@id": quote(name)} for name in files],
+        "citation": _links([*sources.values()]),
+        "mentions": _links(actions),
+    }
+    descriptor = {
+        "@id": CRATE,
+        "@type": "CreativeWork",
+        "conformsTo": {"@id": _CONTEXT},
+        "about": {"@id": "./"},
+    }
+    computer = {
+        "@id": "#platform",
+        "@type": "OperatingSystem",
+        "name": platform.platform(),
+        "description": platform.processor() or platform.machine(),
+    }
+    programs = [_program(*package) for package in packages.items()]
+    graph = [descriptor, root, licence, *authors, computer, *programs, *entities]
+    by_id = {entity["@id"]: entity for entity in (*graph, *sources.values(), *actions)}
+    path = folder / CRATE
+    with whole_file(path) as partial:
+        document = {"@context": f"{_CONTEXT}/context", "@graph": [*by_id.values()]}
+        text = json.dumps(document, indent=1, ensure_ascii=False)
+        partial.write_text(f"{text}\n", encoding="utf-8")
+    return path
+
+
+def _links(entities: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """Return a link to each entity, once."""
+    return [{"@id": identity} for identity in dict.fromkeys(entity["@id"] for entity in entities)]
+
+
+def _author(author: Author) -> dict[str, Any]:
+    """Return the entity of an author."""
+    identity = (
+        f"https://orcid.org/{author.orcid}" if author.orcid else f"#author-{quote(author.name)}"
+    )
+    about = {"affiliation": author.affiliation} if author.affiliation else {}
+    return {"@id": identity, "@type": "Person", "name": author.name, **about}
+
+
+def _file(folder: Path, name: str) -> dict[str, Any]:
+    """Return the entity of a file, with its checksum."""
+    kind = _NETCDF if name.endswith(".nc") else mimetypes.guess_type(name)[0]
+    return {
+        "@id": quote(name),
+        "@type": "File",
+        "name": name,
+        "encodingFormat": kind or "application/octet-stream",
+        "contentSize": str((folder / name).stat().st_size),
+        "sha256": sha256((folder / name).read_bytes()).hexdigest(),
+    }
+
+
+def _program(name: str, version: str) -> dict[str, Any]:
+    """Return the entity of a package, with a checksum of its files where it is installed."""
+    about = {}
+    with suppress(importlib.metadata.PackageNotFoundError):
+        record = importlib.metadata.distribution(name).read_text("RECORD") or ""
+        about["sha256"] = edited([name]).get(name) or sha256(record.encode()).hexdigest()
+    return {
+        "@id": f"#package-{quote(name)}",
+        "@type": "SoftwareApplication",
+        "name": name,
+        "softwareVersion": version,
+        **about,
+    }
+
+
+def _model(model: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entity of a model."""
+    return {
+        "@id": f"#model-{model['kind']}-{quote(model['name'])}",
+        "@type": "SoftwareSourceCode",
+        "name": f"{model['kind']} {model['name']}",
+        "description": f"{model['equation']}; {model['parameters']}",
+        "isPartOf": {"@id": f"#package-{quote(model['package'])}"},
+        "version": model["version"],
+    }
+
+
+def _scene(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return the entity of the scene of a result, with its text."""
+    return {
+        "@id": f"#scene-{attributes['scene_hash']}",
+        "@type": "CreativeWork",
+        "name": Path(str(attributes.get("source", ""))).name or "scene",
+        "encodingFormat": "application/toml",
+        "text": attributes.get("scene", ""),
+    }
+
+
+def _source(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entity of a publication that a result cites."""
+    citation = from_dict(values)
+    text = str(citation)
+    link = "" if isinstance(citation, str) else citation.link
+    return {
+        "@id": link or f"#source-{sha256(text.encode()).hexdigest()[:12]}",
+        "@type": "CreativeWork",
+        "name": text,
+    }

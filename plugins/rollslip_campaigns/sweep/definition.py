@@ -16,7 +16,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.resolution import Resolution
-from rollslip.catalogue.packages import edited
+from rollslip.catalogue.installed import edited
 from rollslip.fields import at_least, choice_of, non_negative, parameter, positive
 from rollslip.references import Citation
 from rollslip.results.text import format_count

@@ -81,17 +81,13 @@ CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
-#: Outputs of the curves and their maxima.
-_CURVE_OUTPUTS: Final = frozenset(
-    {
-        "effective_friction",
-        "critical_cage_slip",
-        "critical_friction",
-        "critical_status",
-        "critical_slip_bound",
-        *FIRST,
-    }
+#: Outputs of the maxima of curves, in the order of the fields of `Critical`.
+_MAXIMA: Final = (
+    *("critical_cage_slip", "critical_friction", "critical_status", *FIRST),
+    "critical_slip_bound",
 )
+#: Outputs of the curves and their maxima.
+_CURVE_OUTPUTS: Final = frozenset({"effective_friction", *_MAXIMA})
 #: Dimensions of the curves.
 _CURVE: Final = "ring cage_slip"
 #: Variables of the study by name.
@@ -129,12 +125,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "first_maximum_friction": Output(
             "ring", "1", "effective friction coefficient there", status="critical_status"
         ),
-        "skidding_slip": Output(
-            "",
-            "1",
-            "cage slip at which skidding begins",
-            status="skidding_status",
-        ),
+        "skidding_slip": Output("", "1", "cage slip at which skidding begins", status="skidding_status"),
         "limit_drag": Output(
             "",
             "N m",
@@ -152,15 +143,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
-        "drag_reserve": Output(
-            "", "1", "largest torque over drag before the cage skids", status="reserve_status"
-        ),
-        "reserve_status": Output(
-            "", "1", "what was found of the reserve: found, at least, or why there is none"
-        ),
-        "driving_torque": Output(
-            "torque_slip", "N m", "torque of the rollers on the cage on the loading branch"
-        ),
+        "drag_reserve": Output("", "1", "largest torque over drag before the cage skids", status="reserve_status"),
+        "reserve_status": Output("", "1", "what was found of the reserve: found, at least, or why there is none"),
+        "driving_torque": Output("torque_slip", "N m", "torque of the rollers on the cage on the loading branch"),
         "drag_torque": Output("branch_slip", "N m", "torque by which the drags resist the cage"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
@@ -174,11 +159,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "1",
             "friction coefficient of each roller, first roller position",
         ),
-        "friction_map": Output(
-            "ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"
-        ),
+        "friction_map": Output("ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"),
     }
-)
+)  # fmt: skip
 #: Outputs that need the whole curve, and not its maxima alone.
 _WHOLE_CURVE: Final = frozenset({"effective_friction"})
 #: Ratio of the relative differences of the film parameter from its minimum, at both neighbours of the minimum, above
@@ -804,15 +787,7 @@ def _curve_variables(
     """Return variables and coordinates of the maxima of curves, and of the curves if their friction is known."""
     curves = {} if friction is None else EffectiveFriction.variables(effective_friction=friction)
     columns = map(np.array, zip(*map(attrs.astuple, critical), strict=True))
-    # in the order of the fields of `Critical`
-    names = (
-        "critical_cage_slip",
-        "critical_friction",
-        "critical_status",
-        *FIRST,
-        "critical_slip_bound",
-    )
-    return curves | EffectiveFriction.variables(**dict(zip(names, columns, strict=True))), {
+    return curves | EffectiveFriction.variables(**dict(zip(_MAXIMA, columns, strict=True))), {
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }
