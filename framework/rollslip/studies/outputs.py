@@ -6,7 +6,7 @@
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,17 @@ from rollslip.structure import raise_problems
 from rollslip.studies.answers import PartialResult, Variables
 from rollslip.studies.study import Study
 
-__all__ = ["Values", "Variables", "evaluate", "evaluate_together", "named_outputs"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "Values",
+    "Variables",
+    "evaluate",
+    "evaluate_together",
+    "named_outputs",
+    "selected_values",
+]
 
 #: Variables, coordinates of their dimensions, and attributes of the result.
 Values: TypeAlias = tuple[Variables, Variables, dict[str, Any]]
@@ -81,7 +91,21 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
     if (some := study.partial_result(assembly, frozenset(names))) is not None:
         return _select(some, names)
     needed = study.without_outputs(frozenset(study.outputs.keys() - set(names)))
-    dataset = needed.completed(assembly, needed.run(assembly))
+    return selected_values(study, needed.completed(assembly, needed.run(assembly)), names)
+
+
+def selected_values(study: Study, dataset: "xr.Dataset", names: Sequence[str]) -> Values:
+    """Return the variables of these names in a result, as `evaluate` does.
+
+    Parameters
+    ----------
+    study : Study
+        The study of the result.
+    dataset : xarray.Dataset
+        The result.
+    names : sequence of str
+        Outputs of the study.
+    """
     wanted: dict[str, Any] = {}
     for name in names:
         if name in dataset:

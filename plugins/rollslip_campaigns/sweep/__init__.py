@@ -71,6 +71,19 @@ class SweepSettings(OfPoints):
         repeatable=True,
         details="Several in a text have commas between them; by default the main ones.",
     )
+    errors: bool = setting(
+        "Plan each point as a run, with the error of its values.",
+        default=False,
+        value_type=bool,
+        details="Each output NAME then has NAME_error, its relative discretisation error; a point takes the time of a "
+        "run.",
+    )
+    bands: bool = setting(
+        "Errors, and bands by what scatters, of each point.",
+        default=False,
+        value_type=bool,
+        details="The slip and the minimum load then have NAME_low and NAME_high, their 5 and 95 % bounds.",
+    )
 
     def plan(self) -> "Sweep":
         """Check the settings and plan the points."""

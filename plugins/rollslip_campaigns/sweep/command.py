@@ -88,9 +88,10 @@ def sweep_resume(
     printing: Printing,
 ) -> None:
     """Compute the points of the sweep in FOLDER that are not done yet."""
-    from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
+    from rollslip_campaigns.sweep.folder import open_folder
+    from rollslip_campaigns.sweep.sweep import with_engine
 
-    _run_sweep(with_engine(open_sweep(folder), engine, time_limit), folder, (), results, printing)
+    _run_sweep(with_engine(open_folder(folder), engine, time_limit), folder, (), results, printing)
 
 
 @sweep.command("retry")
@@ -117,8 +118,9 @@ def sweep_retry(
     printing: Printing,
 ) -> None:
     """Compute points of the sweep in FOLDER again that have failed."""
+    from rollslip_campaigns.sweep.folder import open_folder
     from rollslip_campaigns.sweep.journal import FAILED
-    from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
+    from rollslip_campaigns.sweep.sweep import with_engine
 
     if failed == bool(statuses):
         raise click.UsageError(
@@ -128,7 +130,7 @@ def sweep_retry(
         raise click.UsageError(
             f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}"
         )
-    planned = with_engine(open_sweep(folder), engine, time_limit)
+    planned = with_engine(open_folder(folder), engine, time_limit)
     _run_sweep(planned, folder, FAILED if failed else tuple(statuses), results, printing)
 
 

@@ -9,7 +9,7 @@ import hashlib
 import importlib.metadata
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, Final
 
@@ -22,6 +22,7 @@ from rollslip.references import Citation
 from rollslip.results.text import format_count
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, resolved, scene_hash
+from rollslip.studies.outputs import Values
 from rollslip.studies.study import settings
 from rollslip_campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
 from rollslip_studies.variation.distributions import Uncertainty, shown
@@ -90,6 +91,12 @@ class SweepWork:
         Resolutions of the points.
     time_limit : float or None
         Longest time for one point [s]; None for no limit.
+    errors : bool
+        Whether each point is planned and run as a single run, and has the error of its values.
+    bands : bool
+        Whether each of these points has the bands by what scatters, too.
+    evaluate : callable or None
+        Returns the values of such a point from its scene and this work; None where there are no errors.
     """
 
     scene: Scene
@@ -98,6 +105,9 @@ class SweepWork:
     packages: tuple[str, ...]
     resolutions: Resolutions = attrs.field(factory=Resolutions)
     time_limit: float | None = None
+    errors: bool = False
+    bands: bool = False
+    evaluate: "Callable[[Scene, SweepWork], Values] | None" = None
 
 
 @cache
@@ -143,6 +153,12 @@ class SweepTable:
     )
     engine: Any = parameter(
         default=None, doc="engine, by name or as a table with its parameters; by default chosen"
+    )
+    errors: bool = parameter(
+        default=False, doc="whether each point is planned as a run, and has the error of its values"
+    )
+    bands: bool = parameter(
+        default=False, doc="whether each point has bands of slip and minimum load, and errors, too"
     )
 
 
@@ -233,6 +249,8 @@ class Sweep(SweepWork):
             facts["editable packages"] = changing
         if self.files:
             facts["files beside the scene"] = self.files
+        if self.errors:
+            facts["accuracy of each point"] = "bands" if self.bands else "errors"
         return json.loads(json.dumps(facts))  # type: ignore[no-any-return]
 
     @property

@@ -139,6 +139,8 @@ def _results(
     for name, values in dataset.data_vars.items():
         if values.dtype.kind != "f" or name == "seconds":
             continue
+        if str(name).endswith(("_error", "_low", "_high")):  # of another output
+            continue
         inner = set(map(str, values.dims)) - set(keys)
         categories = [*named_dims(values, [*keys, "ring"])]
         if (

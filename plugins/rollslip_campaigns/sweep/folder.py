@@ -13,6 +13,7 @@ from rollslip.errors import OutputError
 from rollslip.files import blamed
 from rollslip.results.dataset import save, xr
 from rollslip_campaigns.sweep import SweepSettings
+from rollslip_campaigns.sweep.accuracy import evaluate_as_run
 from rollslip_campaigns.sweep.definition import Sweep, SweepTable
 from rollslip_campaigns.sweep.journal import (
     FAILED,
@@ -35,6 +36,7 @@ __all__ = [
     "Points",
     "SweepStatus",
     "create_folder",
+    "open_folder",
     "open_or_create",
     "plan_requested",
     "read_status",
@@ -47,10 +49,22 @@ RESULT = "sweep.nc"
 
 def plan_requested(requested: "SweepSettings") -> Sweep:
     """Return the sweep of some settings; wrong settings raise SceneError before a folder is created."""
-    table = {field.name: getattr(requested, field.name) for field in attrs.fields(SweepTable)}
-    sweep = plan_sweep(requested.base_scene, table.pop("over"), **table)
+    # a flag that is not set leaves the table of the scene as it is
+    given = {field.name: getattr(requested, field.name) for field in attrs.fields(SweepTable)}
+    table = {name: None if value is False else value for name, value in given.items()}
+    sweep = _with_evaluation(plan_sweep(requested.base_scene, table.pop("over"), **table))
     requested_engine(sweep)  # an unusable engine is refused here
     return sweep
+
+
+def open_folder(folder: Path) -> Sweep:
+    """Return the sweep of a folder, to go on with it; see `open_sweep`."""
+    return _with_evaluation(open_sweep(folder))
+
+
+def _with_evaluation(sweep: Sweep) -> Sweep:
+    """Return a sweep with the evaluation of points that have errors; it is not imported by workers of other sweeps."""
+    return attrs.evolve(sweep, evaluate=evaluate_as_run) if sweep.errors else sweep
 
 
 def create_folder(sweep: Sweep, folder: Path) -> Path:

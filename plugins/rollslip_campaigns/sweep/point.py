@@ -70,7 +70,8 @@ def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]])
     TaskResult
         A row for each point, with status "ok" or that of its failure.
     """
-    size = _BATCH_SIZE
+    assert not work.errors or work.evaluate is not None
+    size = 1 if work.errors else _BATCH_SIZE
     if work.time_limit is not None:
         _import_all()
         size = 1
@@ -125,9 +126,10 @@ class _Task:
         if resolution not in self._key_parts:
             resolution_facts = None if resolution is None else attrs.asdict(resolution)
             work = self.work
-            self._key_parts[resolution] = json.dumps(
-                [work.study, work.outputs, resolution_facts, installed_versions(work.packages)]
-            )
+            facts = [work.study, work.outputs, resolution_facts, installed_versions(work.packages)]
+            if work.errors:
+                facts.append("bands" if work.bands else "errors")
+            self._key_parts[resolution] = json.dumps(facts)
         return hashlib.sha256(
             f'["{self.hashes.of(scene)}", {self._key_parts[resolution][1:]}'.encode()
         ).hexdigest()
@@ -268,7 +270,11 @@ class _Point:
             if self.study is None:
                 self.prepare()
             assert self.study is not None
-            self.store(*evaluate(self.study, self.assembly, self.task.work.outputs))
+            work = self.task.work
+            if work.evaluate is not None:
+                self.store(*work.evaluate(self.assembly.scene, work))
+            else:
+                self.store(*evaluate(self.study, self.assembly, work.outputs))
 
     def store(self, variables: Variables, coords: Variables, attributes: Mapping[str, Any]) -> None:
         """Store the values in the row, or the status of a transient study that failed."""

@@ -126,7 +126,7 @@ def deviations_from_run(sweep: Sweep, dataset: "xr.Dataset") -> list[str]:
     """
     done = np.flatnonzero(dataset["status"].to_numpy().ravel() == "ok")
     cls = study_class(sweep.study)
-    if not done.size or cls.is_transient:
+    if not done.size or cls.is_transient or sweep.errors:  # such points are runs
         return []
     number = _spread_numbers(sweep.design, done)[0]
     point = dataset.isel(

@@ -194,13 +194,17 @@ def sweep_of_design(
     )
     assemblies, unusual = _checked_assemblies(base, study, design)
     packages, local = _packages(assemblies, study)
+    is_run = table.errors or table.bands
     return Sweep(
         scene=base,
         study=study,
         outputs=outputs,
         design=design,
         uncertainty=Uncertainty({}, np.empty((0, 0))) if uncertainty is None else uncertainty,
-        resolutions=_chosen_resolutions(base, study, design),
+        # a point with an error has a plan of its own
+        resolutions=Resolutions() if is_run else _chosen_resolutions(base, study, design),
+        errors=is_run,
+        bands=table.bands,
         packages=packages,
         local=local,
         citations=_citations(assemblies, study),

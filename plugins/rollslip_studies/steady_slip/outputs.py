@@ -159,7 +159,11 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "jump_slip_status": Output("", "1", "what was found of the slip to which it jumps"),
         "drag_reserve": Output(
-            "", "1", "largest torque over drag before the cage skids", status="reserve_status"
+            "",
+            "1",
+            "largest torque over drag before the cage skids",
+            status="reserve_status",
+            aliases=("reserve_to_skidding",),
         ),
         "reserve_status": Output(
             "", "1", "what was found of the reserve: found, at least, or why there is none"
@@ -222,6 +226,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "1",
             "torque of the rollers over drag torque, at the acceptable slip: below 1 the cage slips more",
             status="acceptable_reserve_status",
+            aliases=("reserve_to_slipping",),
         ),
         "acceptable_reserve_status": Output(
             "", "1", "what was found of the reserve at the acceptable slip"
