@@ -31,6 +31,7 @@ MAX_CODE_LINES = 600
 CAMPAIGNS = {
     ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
     ("pareto", "sweep"), ("surrogate", "sweep"), ("cases", "sweep"), ("window", "sweep"),
+    ("supplement", "sweep"),
     ("validation", "comparison"), ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
 #: Modules of studies that other studies and campaigns may import.

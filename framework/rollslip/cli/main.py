@@ -36,7 +36,7 @@ __all__ = ["cli", "main"]
 _GROUPS: Final = (
     ("Will it skid", "rollslip run gearbox", ("new", "run", "cases", "info", "plan")),
     ("What is better, and how far it may go", "rollslip compare gearbox --oil iso-vg-68,iso-vg-220",
-     ("compare", "limit", "window", "uncertainty", "sweep", "explore", "pareto")),
+     ("compare", "limit", "window", "uncertainty", "sweep", "supplement", "explore", "pareto")),
     ("Measurements", "rollslip validate published-slip", ("validate", "fit", "rank")),
     ("What stands behind it", "rollslip explain W11", ("explain", "models", "schema", "cite", "plugins", "doctor")),
     ("Files", "rollslip report results/*.nc", ("report", "export", "surrogate")),

@@ -379,6 +379,9 @@ class Scene:
         default=None, doc="distributions of uncertain values, for sweeps with samples"
     )
     cases: FrozenTable | None = field(default=None, doc="load cases, for rollslip cases")
+    supplement: FrozenTable | None = field(
+        default=None, doc="figures and tables of a paper, for rollslip supplement"
+    )
 
     source: str = attrs.field(default="", eq=False, metadata={"key": None})
     text: str = attrs.field(default="", eq=False, repr=False, metadata={"key": None})

@@ -41,7 +41,7 @@ from rollslip_campaigns.sweep.findings import (
 )
 from rollslip_studies.steady_slip.figures import catalogue_loads, mark_loads
 
-__all__ = ["describe_models", "sweep_figures"]
+__all__ = ["axis_label", "axis_values", "describe_models", "display_of", "sweep_figures"]
 
 #: Result that is drawn for samples, and before all others: on the inner ring, where heating of the film reduces
 #: friction at smaller slips.
@@ -230,8 +230,8 @@ def _line(
     """
     sheet = Sheet()
     axes = sheet.axes
-    (x, x_label) = _axis(values[key])
-    (read, unit) = _display_of(values)
+    (x, x_label) = axis_values(values[key])
+    (read, unit) = display_of(values)
     dim = choices[0] if choices else next(iter(named_dims(values, [key])), None)
     pieces = (
         [(str(name), values.sel({dim: name})) for name in values[dim].to_numpy()]
@@ -270,7 +270,7 @@ def _line(
         plain_decades(axes.xaxis)
     sheet.handles += axes.get_legend_handles_labels()[0]
     mark_loads(sheet, loads, _units(values[key])[1] if loads else "")
-    return sheet.done(x_label, _axis_label(values, unit))
+    return sheet.done(x_label, axis_label(values, unit))
 
 
 def _map(
@@ -287,7 +287,7 @@ def _map(
         ((32 + 46 * len(pieces)) * MM, 58 * MM), 1, len(pieces), sharey=True, squeeze=False
     )
     panels = sheet.axes[0]
-    read, unit = _display_of(values)
+    read, unit = display_of(values)
     finite = read(values.to_numpy())
     finite = finite[np.isfinite(finite)]
     colours = against_zero(float(finite.min(initial=np.inf)), float(finite.max(initial=-np.inf)))
@@ -295,8 +295,8 @@ def _map(
     marks = list[Any]()
     for axes, (name, piece) in zip(panels, pieces, strict=True):
         axes.set_facecolor("0.9")
-        (x, x_label) = _axis(piece[numbers[0]])
-        (y, y_label) = _axis(piece[numbers[1]])
+        (x, x_label) = axis_values(piece[numbers[0]])
+        (y, y_label) = axis_values(piece[numbers[1]])
         mesh = axes.pcolormesh(
             x,
             y,
@@ -331,7 +331,7 @@ def _map(
         axes.set(title=f"{name} ring" if choices == ["ring"] else name, xlabel=x_label)
         if axes is panels[0]:
             axes.set_ylabel(y_label)
-    seamless(sheet.figure.colorbar(mesh, ax=list(panels), label=_axis_label(values, unit)))
+    seamless(sheet.figure.colorbar(mesh, ax=list(panels), label=axis_label(values, unit)))
     sheet.handles += marks
     return sheet.done()
 
@@ -353,8 +353,8 @@ def _units(coordinate: "xr.DataArray") -> tuple[str, str]:
     )
 
 
-def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
-    """Values and label of an axis, in the unit for display."""
+def axis_values(coordinate: "xr.DataArray") -> tuple[Array, str]:
+    """Return values and label of an axis, in the unit for display."""
     (unit, given) = _units(coordinate)
     name = short_label(str(coordinate.attrs.get("key", coordinate.name)))
     return (
@@ -371,13 +371,21 @@ def _name(values: "xr.DataArray") -> str:
     return f"{name[:1].upper()}{name[1:]}"
 
 
-def _axis_label(values: "xr.DataArray", unit: str) -> str:
-    """Name and unit of a result, in lines that are not longer than an axis."""
+def axis_label(values: "xr.DataArray", unit: str) -> str:
+    """Return name and unit of a result, in lines that are not longer than an axis.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        The result.
+    unit : str
+        The unit for display.
+    """
     return textwrap.fill(f"{_name(values)} [{unit}]".replace("N m]", "N\u00a0m]"), 36)
 
 
-def _display_of(values: "xr.DataArray") -> tuple[Callable[[Array], Array], str]:
-    """Function that converts a result to the unit for display, and that unit: percent for slips."""
+def display_of(values: "xr.DataArray") -> tuple[Callable[[Array], Array], str]:
+    """Return a function that converts a result to the unit for display, and that unit: percent for slips."""
     unit = str(values.attrs.get("units", "1"))
     if in_percent(str(values.name), unit):
         return partial(np.multiply, 100.0), "%"

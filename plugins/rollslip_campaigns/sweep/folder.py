@@ -12,6 +12,7 @@ import attrs
 from rollslip.errors import OutputError
 from rollslip.files import blamed
 from rollslip.results.dataset import save, xr
+from rollslip.scene.values import Scene
 from rollslip_campaigns.sweep import SweepSettings
 from rollslip_campaigns.sweep.accuracy import evaluate_as_run
 from rollslip_campaigns.sweep.definition import Sweep, SweepTable
@@ -39,6 +40,7 @@ __all__ = [
     "open_folder",
     "open_or_create",
     "plan_requested",
+    "plan_with_evaluation",
     "read_status",
     "write_result",
 ]
@@ -52,9 +54,24 @@ def plan_requested(requested: "SweepSettings") -> Sweep:
     # a flag that is not set leaves the table of the scene as it is
     given = {field.name: getattr(requested, field.name) for field in attrs.fields(SweepTable)}
     table = {name: None if value is False else value for name, value in given.items()}
-    sweep = _with_evaluation(plan_sweep(requested.base_scene, table.pop("over"), **table))
+    sweep = plan_with_evaluation(requested.base_scene, table.pop("over"), **table)
     requested_engine(sweep)  # an unusable engine is refused here
     return sweep
+
+
+def plan_with_evaluation(scene: Scene | str, over: object = None, **requested: Any) -> Sweep:
+    """Return the plan of a sweep whose points may have errors; see `plan_sweep`.
+
+    Parameters
+    ----------
+    scene : Scene or str
+        A scene, the name of a shipped one, or a file.
+    over : mapping or sequence of str, optional
+        What is varied.
+    **requested : object
+        Settings of `SweepTable`.
+    """
+    return _with_evaluation(plan_sweep(scene, over, **requested))
 
 
 def open_folder(folder: Path) -> Sweep:

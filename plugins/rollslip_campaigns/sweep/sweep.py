@@ -347,11 +347,12 @@ def without_tables(scene: Scene) -> Scene:
         sweep=None,
         uncertainty=None,
         cases=None,
+        supplement=None,
         raw=FrozenTable(
             {
                 key: value
                 for key, value in dict(scene.raw or resolved(scene)).items()
-                if key not in ("sweep", "uncertainty", "cases")
+                if key not in ("sweep", "uncertainty", "cases", "supplement")
             }
         ),
     )
