@@ -27,6 +27,7 @@ DUTY = Duty(
     roller_diameter=0.0195,
 )  # fmt: skip
 SCENE = evolve(load_scene("gearbox"), COARSE, si=True)
+#: Losses of the tests: those of a sealed bearing, and of two seals on the shaft.
 SEALS = ["skf-seals", {"model": "radial-lip-seal", "number": 2}]
 
 

@@ -26,8 +26,11 @@ import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import reduce
 from hashlib import sha256
+from itertools import chain
 from numbers import Real
+from operator import or_
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Final
@@ -407,6 +410,8 @@ _CONTEXT: Final = "https://w3id.org/ro/crate/1.1"
 _NETCDF: Final = "application/x-netcdf"
 #: Name of what is not stated, such as a licence: whoever publishes the folder replaces it.
 _NOT_STATED: Final = "not stated"
+#: Identity of the computer.
+_PLATFORM: Final = "#platform"
 
 
 @attrs.frozen(kw_only=True)
@@ -489,58 +494,25 @@ def write_crate(
     results : mapping
         Name of the file of each result -> the attributes of its dataset.
     """
-    first = next(iter(results.values()))
     authors = [_author(author) for author in published.authors]
-    files = sorted(
-        path.relative_to(folder).as_posix()
-        for path in folder.rglob("*")
-        if path.is_file() and path.name not in (CRATE, "manifest.json") and path.name[0] != "."
-    )
-    entities = [_file(folder, name) for name in files]
-    packages = dict[str, str]()
-    actions = list[dict[str, Any]]()
-    sources = dict[str, dict[str, Any]]()
-    for name, attributes in results.items():
-        packages |= json.loads(attributes.get("packages", "{}"))
-        models = [_model(model) for model in json.loads(attributes.get("models", "[]"))]
-        scene = _scene(attributes)
-        entities += [*models, scene]
-        for values in json.loads(attributes.get("bibliography", "[]")):
-            source = _source(values)
-            sources[source["@id"]] = source
-        actions.append(
-            {
-                "@id": f"#run-{quote(name)}",
-                "@type": "CreateAction",
-                "name": f"{attributes['study']} by rollslip",
-                "description": shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]),
-                "endTime": attributes["created"],
-                "instrument": [
-                    *({"@id": f"#package-{quote(package)}"} for package in packages),
-                    *_links(models),
-                    {"@id": "#platform"},
-                ],
-                "object": {"@id": scene["@id"]},
-                "result": {"@id": quote(name)},
-            }
-        )
     licence = {
         "@id": published.licence if published.licence.startswith("http") else "#licence",
         "@type": "CreativeWork",
         "name": published.licence or _NOT_STATED,
     }
-    root = {
-        "@id": "./",
-        "@type": "Dataset",
-        "name": published.title or first.get("title") or f"Results of {first['study']}",
-        "description": first.get("description") or f"Computed by rollslip: {', '.join(results)}",
-        "datePublished": first["created"],
-        "identifier": f"https://doi.org/{published.doi}" if published.doi else f"DOI {_NOT_STATED}",
+    files = [_file(folder, name) for name in _published_files(folder)]
+    runs = [_run(name, attributes) for name, attributes in results.items()]
+    packages: dict[str, str] = reduce(
+        or_, (json.loads(a.get("packages", "{}")) for a in results.values())
+    )
+    values = [value for a in results.values() for value in json.loads(a.get("bibliography", "[]"))]
+    sources = [_source(value) for value in values]
+    root = _root(published, results) | {
         "license": {"@id": licence["@id"]},
         "author": _links(authors),
-        "hasPart": [{"@id": quote(name)} for name in files],
-        "citation": _links([*sources.values()]),
-        "mentions": _links(actions),
+        "hasPart": _links(files),
+        "citation": _links(sources),
+        "mentions": [{"@id": run[0]["@id"]} for run in runs],
     }
     descriptor = {
         "@id": CRATE,
@@ -549,20 +521,64 @@ def write_crate(
         "about": {"@id": "./"},
     }
     computer = {
-        "@id": "#platform",
+        "@id": _PLATFORM,
         "@type": "OperatingSystem",
         "name": platform.platform(),
         "description": platform.processor() or platform.machine(),
     }
     programs = [_program(*package) for package in packages.items()]
-    graph = [descriptor, root, licence, *authors, computer, *programs, *entities]
-    by_id = {entity["@id"]: entity for entity in (*graph, *sources.values(), *actions)}
+    graph = [descriptor, root, licence, *authors, computer, *programs, *files, *sources]
+    by_id = {entity["@id"]: entity for entity in chain(graph, *runs)}
     path = folder / CRATE
     with whole_file(path) as partial:
         document = {"@context": f"{_CONTEXT}/context", "@graph": [*by_id.values()]}
         text = json.dumps(document, indent=1, ensure_ascii=False)
         partial.write_text(f"{text}\n", encoding="utf-8")
     return path
+
+
+def _root(published: Publication, results: Mapping[str, Mapping[Any, Any]]) -> dict[str, Any]:
+    """Return what a folder is, when it was computed, and its DOI."""
+    first = next(iter(results.values()))
+    return {
+        "@id": "./",
+        "@type": "Dataset",
+        "name": published.title or first.get("title") or f"Results of {first['study']}",
+        "description": first.get("description") or f"Computed by rollslip: {', '.join(results)}",
+        "datePublished": first["created"],
+        "identifier": f"https://doi.org/{published.doi}" if published.doi else f"DOI {_NOT_STATED}",
+    }
+
+
+def _published_files(folder: Path) -> list[str]:
+    """Return the relative names of the files of a folder, without hidden ones and those that describe it."""
+    return sorted(
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and path.name not in (CRATE, "manifest.json") and path.name[0] != "."
+    )
+
+
+def _run(name: str, attributes: Mapping[Any, Any]) -> list[dict[str, Any]]:
+    """Return the entities of the run of a result: the run, its models and its scene."""
+    models = [_model(model) for model in json.loads(attributes.get("models", "[]"))]
+    scene = _scene(attributes)
+    packages = json.loads(attributes.get("packages", "{}"))
+    run = {
+        "@id": f"#run-{quote(name)}",
+        "@type": "CreateAction",
+        "name": f"{attributes['study']} by rollslip",
+        "description": shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]]),
+        "endTime": attributes["created"],
+        "instrument": [
+            *({"@id": f"#package-{quote(package)}"} for package in packages),
+            *_links(models),
+            {"@id": _PLATFORM},
+        ],
+        "object": {"@id": scene["@id"]},
+        "result": {"@id": quote(name)},
+    }
+    return [run, *models, scene]
 
 
 def _links(entities: list[dict[str, Any]]) -> list[dict[str, str]]:

@@ -40,7 +40,8 @@ def _figure(
 ) -> "Figure":
     """Draw one figure over a dimension, with a line for each value of another one, and for each ring."""
     sheet = Sheet()
-    values = dataset[figure["y"]]
+    name = figure["y"]
+    values = dataset[name]
     x, x_label = axis_values(dataset[x_name])
     read, unit = display_of(values)
     inner = [str(dim) for dim in values.dims if dim not in (x_name, lines)]
@@ -53,20 +54,26 @@ def _figure(
             "linestyle": DASHES[k % len(DASHES)],
         }
         y = read(values.isel(at).to_numpy())
-        sheet.line(x, y, ", ".join(labels), marker="o", markersize=3, **style)
+        label = ", ".join(labels)
+        sheet.line(x, y, label, marker="o", markersize=3, **style)
+        colour = style["color"]
         own = {dim: at[dim] for dim in stacked if dim == lines}
-        if f"{figure['y']}_low" in dataset:
-            low, high = (
-                read(dataset[f"{figure['y']}_{bound}"].isel(own).to_numpy())
-                for bound in ("low", "high")
+        if f"{name}_low" in dataset:
+            low = read(dataset[f"{name}_low"].isel(own).to_numpy())
+            high = read(dataset[f"{name}_high"].isel(own).to_numpy())
+            below = np.maximum(y - low, 0.0)
+            # no bar where the cage skids within its band
+            above = np.where(high < np.inf, np.maximum(high - y, 0.0), 0.0)
+            sheet.axes.errorbar(
+                x,
+                y,
+                [below, above],
+                fmt="none",
+                capsize=2,
+                color=colour,
             )
-            errors = [
-                np.maximum(y - low, 0.0),
-                np.maximum(np.where(high < np.inf, high, y) - y, 0.0),
-            ]
-            sheet.axes.errorbar(x, y, errors, fmt="none", capsize=2, color=style["color"])
-        if (bound_name := BOUNDS.get(figure["y"])) in dataset:
+        if (bound_name := BOUNDS.get(name)) in dataset:
             bound = read(dataset[bound_name].isel(at).to_numpy())
-            beyond = np.isnan(y) & np.isfinite(bound)
-            sheet.axes.plot(x[beyond], bound[beyond], "^", markersize=4, color=style["color"])
+            beyond = np.isnan(y)
+            sheet.axes.plot(x[beyond], bound[beyond], "^", markersize=4, color=colour)
     return sheet.done(x_label, axis_label(values, unit))

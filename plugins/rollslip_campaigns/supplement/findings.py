@@ -17,7 +17,7 @@ BOUNDS: Final[Mapping[str, str]] = MappingProxyType(
     {"critical_slip": "critical_slip_bound", "critical_cage_slip": "critical_slip_bound"}
 )
 #: What an output has beside it in a table, where the points have it.
-_BESIDE: Final = ("_error", "_low", "_high")
+_COMPANIONS: Final = ("_error", "_low", "_high")
 
 
 class SupplementAccount(SweepAccount):
@@ -32,7 +32,7 @@ class SupplementAccount(SweepAccount):
         for table in json.loads(dataset.attrs["supplement"])["tables"]:
             names = list[str]()
             for output in table["output"]:
-                names += [output, *(f"{output}{suffix}" for suffix in _BESIDE)]
+                names += [output, *(f"{output}{suffix}" for suffix in _COMPANIONS)]
                 status = str(dataset[output].attrs.get(STATUS_VARIABLE, ""))
                 names += [BOUNDS.get(output, ""), status]
             names += ["status", "message"]

@@ -87,9 +87,14 @@ def plan_supplement(requested: SupplementSettings) -> SupplementPlan:
     scene = requested.base_scene
     where = Location(scene.origins, ("supplement",))
     table = _read_table(scene, where)
-    stated = attrs.asdict(table, recurse=False)
     published = publication(
-        {name: stated[name] for name in ("title", "authors", "licence", "doi")}, "supplement"
+        {
+            "title": table.title,
+            "authors": table.authors,
+            "licence": table.licence,
+            "doi": table.doi,
+        },
+        "supplement",
     )
     wanted = [*(figure.y for figure in table.figure)]
     wanted += [name for own in table.table for name in own.output]
