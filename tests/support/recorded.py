@@ -9,6 +9,7 @@ import argparse
 import io
 import lzma
 import math
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -65,6 +66,7 @@ RESULTS = {
     f"--set study.dynamics.points=41 {COARSE} "
     '--set study.dynamics.history.inner_speed={shape="run-up",from="3000rpm",within="20ms"}',
     "sweep": f"sweep run turbine --study steady-slip --over operation.radial_load=0.5kN:2kN:3 {COARSE}",
+    "supplement": f"supplement paper.toml {COARSE}",
     "cases": f"cases gearbox {EXAMPLES / 'duty.csv'} {COARSE}",
     "window": f"window gearbox --over operation.inner_speed=500rpm:2500rpm:2 {COARSE}",
     "comparison": f"compare {SCENE} --traction muraki,maxwell-eyring {COARSE}",
@@ -88,6 +90,8 @@ TEXTS: dict[str, Callable[[], str]] = {
 def compute(name: str) -> None:
     """Compute a result and store it."""
     with tempfile.TemporaryDirectory() as place:
+        # a result names the file of its scene, here without a folder
+        shutil.copy(EXAMPLES / "paper.toml", place)
         command = [
             sys.executable,
             "-c",
