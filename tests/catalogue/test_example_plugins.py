@@ -213,6 +213,7 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
     for kind, name, compiled in [
         ("traction", "cross", False),
         ("traction", "circular", True),
+        ("traction", "local-limit", True),
         ("film", "ertel-grubin", True),
         ("contact", "fast-contact", True),
         ("contact", "own-contact", False),

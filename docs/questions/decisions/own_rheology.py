@@ -12,8 +12,8 @@ constant of the same name that an oil has in ``models``. ``reads`` names what th
 ``film_viscosity``, which is that of the mean pressure: a law that reads it has note W11.
 
 The oil states how well its constant is known. ``rollslip uncertainty`` then varies it in each scene that names the oil
-and this law. A compiled form may follow in the package that ``rollslip plugins new --compiled`` writes: its ``kernel``
-gets that of the oil's law, as in ``rollslip_plugins/traction/local.py``.
+and this law. A compiled form may follow in the package that ``rollslip plugins new --compiled`` writes: it calls
+``rs_oil`` of ``rollslip.h`` at its pressures. ``docs/example-plugins/rollslip-local-limit`` is this law, compiled.
 
 At small slips the local law gives more friction than the same law at the mean pressure. Towards the limit it bends
 gradually, as one part of the contact after the other reaches it.

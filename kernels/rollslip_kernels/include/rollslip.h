@@ -83,6 +83,20 @@ typedef struct {
     const void *params;     /* read-only; lives as long as the capsule */
 } rs_model;
 
+/* Viscosity of the oil and its fall with temperature at n pressures of your own, such as those over a contact, at the
+ * inlet temperature; the arrays do not overlap.  `oil` is the stage of the oil's law, which a law gets in Python.
+ * Returns what that stage does: 0, or k > 0 if pressure k-1 is outside its domain. */
+static inline int rs_oil(
+    const rs_model *oil, const rs_slices *slices, size_t n, double *pressure, double *viscosity, double *thermoviscosity
+) {
+    rs_slices at = *slices;
+    at.n = n;
+    at.pressure = pressure;
+    at.film_viscosity = viscosity;
+    at.film_thermoviscosity = thermoviscosity;
+    return oil->evaluate(&at, oil->params);
+}
+
 /* Torque on the cage, N m, positive where it accelerates the cage; speeds of cage and rings in rad/s, any sign.
  * NaN: a Python error is set, or the speeds are outside the drag's domain. */
 typedef double (*rs_torque)(double cage_speed, double inner_speed, double outer_speed, const void *params);

@@ -1,0 +1,1 @@
+"""Traction at the local pressure, found through the entry point in pyproject.toml."""

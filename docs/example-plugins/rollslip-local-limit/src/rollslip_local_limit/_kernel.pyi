@@ -1,0 +1,3 @@
+"""What Python sees of the compiled law."""
+
+def capsule(oil: object, limit: float) -> object: ...
