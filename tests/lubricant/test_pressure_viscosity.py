@@ -1,7 +1,9 @@
 """Viscosity under pressure: reference numbers, what the laws share, ranges, and the choice as a scene makes it."""
 
+import ctypes
 import json
 import math
+import struct
 from types import MappingProxyType
 
 import attrs
@@ -9,8 +11,10 @@ import mpmath
 import numpy as np
 import pytest
 
+from foreign_stages import NAME, Stage, compiled_capsule
 from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, register, run
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.chain import stage
 from rollslip.catalogue import discovery
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
@@ -440,3 +444,44 @@ def test_barus_is_told_first_where_a_scene_names_it():
     assert "times what the default, Roelands's, does" in part.reason
     quiet = evolve(scene, {"lubricant.pressure_viscosity_law": "roelands"})
     assert not any("Barus" in line for line in answer(run(quiet, "effective-friction")).assumed)
+
+
+#: A law in C that fills friction and resistance with what the oil has at twice the pressure of a slice.
+ASKS_THE_OIL = """
+#include <string.h>
+#include "rollslip.h"
+int evaluate(const rs_slices *s, const void *params) {
+    const rs_model *oil;
+    double pressure[5];
+    memcpy(&oil, params, sizeof oil);
+    for (size_t i = 0; i < 5; i++) pressure[i] = 2.0 * s->pressure[i];
+    return rs_oil(oil, s, 5, pressure, s->friction, s->resistance);
+}
+"""
+
+
+@pytest.mark.parametrize("law", [Barus(), Roelands()], ids=["barus", "roelands"])
+def test_a_compiled_law_of_others_asks_the_oil_at_pressures_of_its_own(law):
+    oil = stage(law)
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype = ctypes.c_void_p
+    pointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
+    (address,) = struct.unpack("d", struct.pack("P", pointer(oil, NAME)))
+    asking = Stage(
+        capsule=compiled_capsule(ASKS_THE_OIL, address),
+        reads=frozenset({"pressure", *law.reads}),
+        writes=frozenset({"friction", "resistance"}),
+    )
+    conditions = Conditions(
+        viscosity=0.02,
+        pressure_viscosity=2e-8,
+        thermoviscosity=0.03,
+        pressure_thermoviscosity=1e-10,
+    )
+    pressure = np.array([0.0, 1e6, 1e8, 5e8, 1e9])
+    slices = Slices(5, conditions, pressure=pressure)
+    Chain(asking)(slices)
+    viscosity, thermoviscosity = law.at(conditions, 2.0 * pressure)
+    np.testing.assert_allclose(slices.friction, viscosity, rtol=1e-12)
+    np.testing.assert_allclose(slices.resistance, thermoviscosity, rtol=1e-12)
+    np.testing.assert_array_equal(slices.pressure, pressure)
