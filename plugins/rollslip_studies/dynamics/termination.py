@@ -413,12 +413,41 @@ def steady_slip_of(
         return MeanSlip("steady", mean, allowed)
     if (fluctuating := _mean_of_fluctuating(t, slip, orbit)) is not None:
         return fluctuating
-    # enough digits that values which differ by more than the tolerance look different
-    digits = 2 + max(1, math.ceil(-math.log10(tolerance)))
+    found = _mean_of_three_spans(
+        (first, second, third),
+        mean,
+        allowed,
+        float(slip[t > t[-1] - 3.0 * length].std()),
+        is_short=duration < 2.0 * _TREND_SPANS * orbit,
+        # enough that values which differ by more than the tolerance look different
+        digits=2 + max(1, math.ceil(-math.log10(tolerance))),
+    )
+    if math.isnan(found.slip):
+        return attrs.evolve(found, status=f"{found.status}{longer(2.0 * duration)}")
+    return found
+
+
+def _mean_of_three_spans(
+    means: tuple[float, float, float],
+    mean: float,
+    allowed: float,
+    swing: float,
+    *,
+    is_short: bool,
+    digits: int,
+) -> MeanSlip:
+    """Return the limit of a slip that converges, or its mean if it fluctuates over few orbits, within its error.
+
+    Known are the means over the last three spans, that over the last orbit, its allowed error, the standard deviation
+    over the spans, whether the run is too short for more of them, and the digits of slips in the status.
+    """
 
     def percent(value: float) -> str:
         return f"{100.0 * value:.{digits}g} %"
 
+    first, second, third = means
+    earlier = second - first
+    later = third - second
     bound = _MAX_CHANGE_RATIO * earlier
     is_converging = 0.0 <= later < bound or bound < later <= 0.0
     limit = third + later**2 / (earlier - later) if is_converging else math.nan
@@ -427,18 +456,18 @@ def steady_slip_of(
         return MeanSlip("steady", mean, allowed)
     unsteady = "not steady yet"
     change = f"it was {percent(mean)} over the last orbit and goes to about {percent(limit)}"
-    is_noise = abs(third - first) <= _MAX_NOISE * float(slip[t > t[-1] - 3.0 * length].std())
+    is_noise = abs(third - first) <= _MAX_NOISE * swing
     if is_noise or not is_converging:
         unsteady = "not steady"
         values = f"from {percent(first)} over {percent(second)} to {percent(third)}"
         change = f"it moves {values}, the means of the last three spans"
         limit = math.nan
-    if is_noise and duration < 2.0 * _TREND_SPANS * orbit:
-        limit = (first + second + third) / 3.0
-        error = _T_OF_THREE * float(np.std([first, second, third], ddof=1)) / math.sqrt(3.0)
+    if is_noise and is_short:
+        limit = sum(means) / 3.0
+        error = _T_OF_THREE * float(np.std(means, ddof=1)) / math.sqrt(3.0)
     if error <= _MAX_STEADY_ERROR * max(abs(limit), SMALLEST_SLIP):
         return MeanSlip(f"steady within {100.0 * error:.2g} %: {change}", limit, error)
-    return MeanSlip(f"{unsteady}: {change}{longer(2.0 * duration)}")
+    return MeanSlip(f"{unsteady}: {change}")
 
 
 def _mean_of_fluctuating(t: Array, slip: Array, orbit: float) -> MeanSlip | None:

@@ -190,7 +190,7 @@ def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
     rings = ""
     if "ring_torque" in state and state["ring_power"].all():  # both rings turn
         sizes = np.abs(state["ring_torque"].to_numpy()).tolist()
-        rings = "of the inner and the outer ring"
+        rings = "of inner and outer ring"
     notes = [rings, f"{format_power(float(state['loss'].sum()))} of heat", describe_doubt(dataset)]
     return Row(
         key="friction_torque",
