@@ -1,6 +1,6 @@
-"""Write routes.csv and routes_summary.csv of docs/trust/play.rst: random bearings by steady-slip and by motions in time.
+"""Write routes.csv and routes_summary.csv of docs/trust/play.rst: random bearings by steady-slip and in time.
 
-Bearings, oils, speeds, loads, temperatures and supplies of ``rollslip new`` are drawn at random; both studies run with
+Bearings, oils, speeds, loads, temperatures and supplies of ``rollslip new`` are drawn at random. Both studies have
 their defaults. Rows are those of bearings that neither study refuses. A quarter of an hour of one core for 60 bearings;
 another number may be given as an argument.
 """

@@ -170,8 +170,8 @@ class SteadySlip(Study):
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
         {"critical_slip": "skidding_slip", "friction": "limit_drag"}
     )
-    # Curves at a few slips are no measure of its values: the vertex through three slips at a flat maximum is none of a
-    # slip that has a range, and where rollers change their motion a curve jumps at a slip that shifts with the positions
+    # Curves at a few slips are no measure of its values: a slip at a flat maximum has a range, which the vertex through
+    # three slips does not show, and where rollers change their motion a curve jumps at a slip of its own
     compared_as_values: ClassVar[frozenset[str]] = frozenset({"critical_slip", "friction"})
     affected_by: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"n_positions"}
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
