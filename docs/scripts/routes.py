@@ -103,7 +103,14 @@ def main(count=COUNT):
             found.append((slip, in_time, verdict, verdict_in_time))
     write_table(
         "routes",
-        ["bearing", "what", "steady-slip [%]", "its verdict", "dynamics [%]", "its verdict in time"],
+        [
+            "bearing",
+            "what",
+            "steady-slip [%]",
+            "its verdict",
+            "dynamics [%]",
+            "its verdict in time",
+        ],
         rows,
     )
     write_table(

@@ -138,9 +138,7 @@ def test_a_maximum_that_some_positions_lack_is_left_to_a_study_that_gives_it_as_
 
         def curves(self, assembly, slip, n_positions):
             tilt = {1: 0.0, 2: 3.0}
-            return np.array(
-                [[slip * (1.0 - slip) + tilt.get(m, 0.0) * slip] for m in n_positions]
-            )
+            return np.array([[slip * (1.0 - slip) + tilt.get(m, 0.0) * slip] for m in n_positions])
 
     study = Flat(0.0)
     object.__setattr__(study, "compared_as_values", compared_as_values)

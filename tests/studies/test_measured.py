@@ -120,7 +120,9 @@ def test_a_frame_and_a_workbook_are_the_same_points(tmp_path):
     names = [name.strip() for name in HEAD.split(",")]
     frame = pandas.DataFrame([[1.0, 2.0, 0.5]], columns=names)
     frame.to_excel(tmp_path / "slip.xlsx", index=False)
-    as_printed = written(tmp_path, HEAD.replace("cage_slip", "cage slip"), "1, 2, 0.5", name="a.csv")
+    as_printed = written(
+        tmp_path, HEAD.replace("cage_slip", "cage slip"), "1, 2, 0.5", name="a.csv"
+    )
     as_keys = written(tmp_path, HEAD, "1, 2, 0.5")
     for table in (frame, tmp_path / "slip.xlsx", as_keys, as_printed):
         [value] = points_of(table).values
