@@ -230,6 +230,7 @@ def test_every_part_made_from_the_program_is_used_on_a_page():
         "calibration",
         "coupled_fold",
         "promise",
+        "routes",
         "skidding",
         "skidding_effective",
         "sentences",

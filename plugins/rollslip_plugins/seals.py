@@ -9,6 +9,7 @@ from rollslip.fields import at_least, parameter, positive
 from rollslip.references import Reference, ReferenceValue
 from rollslip.studies.steady_slip.loss import LossModel
 from rollslip.studies.steady_slip.torque import Duty
+from rollslip_plugins.bibliography import ISO_14179
 from rollslip_plugins.drag.factor import scattering_factor
 
 #: Millimetres in a metre: both formulas take diameters in mm.
@@ -133,12 +134,7 @@ class RadialLipSeal(LossModel):
 
     name: ClassVar[str] = "radial-lip-seal"
     equation: ClassVar[str] = "P = f z 7.69e-6 d^2 n"
-    references: ClassVar[tuple[Reference, ...]] = (
-        Reference(
-            kind="remark",
-            title="ISO/TR 14179-2:2001. Gears, thermal capacity, part 2: power loss of shaft seals, recalled (C).",
-        ),
-    )
+    references: ClassVar[tuple[Reference, ...]] = (ISO_14179,)
     reference_values: ClassVar[tuple[ReferenceValue, ...]] = (
         ReferenceValue(
             inputs={

@@ -307,6 +307,8 @@ REMARKS = {
     "No law: the temperatures of the scene.",
     "The measurement that the file holds, as its own comments cite it.",
     "SKF. General catalogue 6000 (2006), pages 88 to 101, tables 1, 2a, 3c and 5: model of the friction torque.",
+    "SKF. General catalogue 6000 (2006), friction of bearings, table 4: exponent and constants of the friction of "
+    "seals, recalled (C).",
     "SKF. Rolling bearings, catalogues from 2012 on: drag losses of the model of the friction torque, recalled "
     "(C) and found alike in two open programs, but for the diagram of the losses by the level of oil.",
 }

@@ -534,7 +534,7 @@ def _structure_models(
     if choices.thermal is not None:
         constructed("thermal", choices.thermal, named.at("thermal"))
     for kind in ("damage", "torque", "loss", "life"):
-        for k, choice in enumerate(getattr(choices, kind)):
+        for k, choice in enumerate(getattr(choices, kind) or ()):
             constructed(kind, choice, named.at(kind).at(k))
     return models
 

@@ -238,3 +238,8 @@ def slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
         table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
     )
     return position, widths, b.profile.depth_factor * drop
+
+
+def resolution_numbers(resolution: Resolution) -> dict[str, int]:
+    """Return the numbers of slices and roller positions of a resolution, by the names of its fields."""
+    return {"slices": resolution.slices, "n_positions": resolution.n_positions or 1}

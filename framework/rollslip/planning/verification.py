@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import Errors, reference_resolution
+from rollslip.bearing.resolution import Errors, reference_resolution, resolution_numbers
 from rollslip.planning.plan import Plan
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
@@ -19,7 +19,6 @@ from rollslip.studies.bounds import (
     exceeding,
     reference_slips,
 )
-from rollslip.studies.error_estimate import resolution_numbers
 
 #: Ratio of error and tolerance that is taken at least when a smaller tolerance is proposed: with a smaller one the next
 #: plan may have the same numbers, and the user types in vain. Doubled, the next run is up to 1.4 times as fine at

@@ -257,8 +257,8 @@ class Models:
         default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
         doc="formulas of the friction torque to compare with the losses: one, several, or [] for none",
     )
-    loss: tuple[ModelChoice, ...] = field(
-        default=(),
+    loss: tuple[ModelChoice, ...] | None = field(
+        default=None,
         doc="losses beside the rollers, of seals, grease or gears: one model, several, or [] for none",
     )
     life: tuple[ModelChoice, ...] = field(

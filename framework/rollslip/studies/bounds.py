@@ -218,10 +218,12 @@ class ErrorBound:
     constants: Errors
 
     @classmethod
-    def from_samples(cls, numbers: Sequence[int], samples: Sequence[Sample]) -> "ErrorBound":
+    def from_samples(
+        cls, numbers: Sequence[int], samples: Sequence[Sample], may_lack: Collection[str] = ()
+    ) -> "ErrorBound":
         """Return the smallest bound on the errors by which samples of a ladder differ from the last.
 
-        Maxima that the last lacks are artefacts.
+        Maxima that the last lacks are artefacts. Some results may have no bound, as the slip of a flat maximum.
 
         Parameters
         ----------
@@ -229,6 +231,8 @@ class ErrorBound:
             Numbers of points.
         samples : sequence of Sample
             Curves and maxima with these numbers.
+        may_lack : collection of str
+            Results whose errors a study estimates by values after its run: an infinite bound of these is left out.
         """
         is_known = ~np.isnan(samples[-1][1])
         *ladder, fine = ((curves, maxima[is_known]) for curves, maxima in samples)
@@ -239,22 +243,13 @@ class ErrorBound:
             }
             for n, sample in zip(numbers[:-1], ladder, strict=True)
         ]
-        return cls(constants=combine_errors(scaled, max))
-
-    def without_unbounded(self, results: Collection[str]) -> "ErrorBound":
-        """Return the bound without those of some results that have none, as the slip of a flat maximum has.
-
-        Parameters
-        ----------
-        results : collection of str
-            Results whose errors a study estimates by values after its run.
-        """
-        bounded = {
-            name: constant
-            for name, constant in self.constants.items()
-            if name not in results or math.isfinite(constant)
-        }
-        return attrs.evolve(self, constants=bounded)
+        return cls(
+            constants={
+                name: constant
+                for name, constant in combine_errors(scaled, max).items()
+                if name not in may_lack or math.isfinite(constant)
+            }
+        )
 
     def errors(self, n: int) -> Errors:
         """Return the bounds on the errors of n points."""

@@ -55,6 +55,7 @@ from rollslip.bearing.resolution import (
     Resolution,
     combine_errors,
     reference_resolution,
+    resolution_numbers,
 )
 from rollslip.errors import ConvergenceError
 from rollslip.results.curves import Curves
@@ -551,10 +552,11 @@ def choose_slices_and_positions(
     position_errors: Errors = {}
     if study.is_averaged:
         numbers = _POSITION_LADDER if study.has_nested_positions else _SEPARATE_POSITION_LADDER
-        bound = ErrorBound.from_samples(numbers, probe.sample(coarse, *numbers))
-        bound = bound.without_unbounded(study.compared_as_values)
+        bound = ErrorBound.from_samples(
+            numbers, probe.sample(coarse, *numbers), study.compared_as_values
+        )
         each = {name: error / (1 + has_slices) for name, error in allowed.items()}
-        n_positions = _whole_number(bound.required_points(each), 1, best.n_positions)
+        n_positions = math.ceil(min(max(bound.required_points(each), 1), best.n_positions or 1))
         position_errors = bound.errors(n_positions)
     resolution = attrs.evolve(assembly.resolution, quadrature="equal", n_positions=n_positions)
     errors = {"n_positions": position_errors} if position_errors else {}
@@ -563,20 +565,14 @@ def choose_slices_and_positions(
             name: max(error - position_errors.get(name, 0.0), _MIN_SLICE_FRACTION * error)
             for name, error in allowed.items()
         }
-        slices, rule, slice_errors = _choose_slices(
-            probe, coarse, rest, best.slices, study.compared_as_values
-        )
+        slices, rule, slice_errors = _choose_slices(study, probe, coarse, rest, best.slices)
         resolution = attrs.evolve(resolution, slices=slices, quadrature=rule)
         errors = {"slices": slice_errors, **errors}
     return ResolutionChoice(resolution=resolution, errors=errors), probe, coarse
 
 
 def _choose_slices(
-    probe: Probe,
-    coarse: Assembly,
-    allowed: Errors,
-    max_slices: int,
-    compared_as_values: Collection[str],
+    study: DiscretisedStudy, probe: Probe, coarse: Assembly, allowed: Errors, max_slices: int
 ) -> tuple[int, str, Errors]:
     """Return number and quadrature rule of the slices that keep the allowed errors, and the bounds on their errors."""
 
@@ -588,19 +584,16 @@ def _choose_slices(
     fine = sample(_SLICE_LADDER[-1])
     bounds = {
         rule: ErrorBound.from_samples(
-            _SLICE_LADDER, [*(sample(n, rule) for n in _SLICE_LADDER[:-1]), fine]
-        ).without_unbounded(compared_as_values)
+            _SLICE_LADDER,
+            [*(sample(n, rule) for n in _SLICE_LADDER[:-1]), fine],
+            study.compared_as_values,
+        )
         for rule in (("equal", "gauss") if stated is None else ("equal",))
     }
     required = {rule: bound.required_points(allowed) for rule, bound in bounds.items()}
     rule = min(required, key=required.__getitem__)
-    slices = stated or _whole_number(required[rule], _SLICE_LADDER[0], max_slices)
+    slices = stated or math.ceil(min(max(required[rule], _SLICE_LADDER[0]), max_slices))
     return slices, rule, bounds[rule].errors(slices)
-
-
-def _whole_number(number: float, low: int, high: int | None) -> int:
-    """Return a number rounded up, between two limits; without an upper one where that is None or 0, it is the lower."""
-    return math.ceil(min(max(number, low), high or low))
 
 
 def choose_by_doubling(
@@ -785,9 +778,8 @@ class _ReferenceComparison:
         )
         changes = self.errors_of(self.dataset if is_known else self.solution(at, m), reference)
         if self.curve_study.uses_continuation:
-            changes = combine_errors(
-                (changes, self.errors_of(self.solution(at, m + 1), reference)), max
-            )
+            others = self.errors_of(self.solution(at, m + 1), reference)
+            changes = combine_errors((changes, others), max)
         errors = {name: change / position_fraction(m, lowest) for name, change in changes.items()}
         if not exceeding(errors, self.accuracy, _CLEAR_FRACTION):
             return errors
@@ -821,7 +813,6 @@ class _ReferenceComparison:
         estimate = ErrorEstimate(errors=errors, orders=orders, slices=self.assembly.slices)
         m = self.assembly.resolution.n_positions or 1
         if self.curve_study.controlled_outputs.keys() <= self.curve_study.compared_as_values:
-            # no curve is compared; the parts are those of values
             errors |= {"slices": {}, "n_positions": {}}
             return estimate
         if self.assembly.slices > 1:
@@ -1089,8 +1080,3 @@ def _with_contact_parts(choice: ResolutionChoice, excess: str) -> ResolutionChoi
 def _reducible(errors: Errors, study: DiscretisedStudy) -> Errors:
     """Return the errors that a finer run reduces."""
     return {name: error for name, error in errors.items() if name not in study.irreducible_errors}
-
-
-def resolution_numbers(resolution: Resolution) -> dict[str, int]:
-    """Return the numbers of slices and roller positions of a resolution, by the names of its fields."""
-    return {"slices": resolution.slices, "n_positions": resolution.n_positions or 1}

@@ -242,7 +242,9 @@ def _measured_slips(dataset: "xr.Dataset", name: str) -> tuple[Array, Array, Arr
     """
     key = f"operation.{name}"
     rows = measured_values(dataset, "cage_slip", [key] * bool(name))
-    here = json.loads(dataset.attrs["scene_resolved"])["operation"].get(name)
+    here = math.nan
+    if rows:
+        here = json.loads(dataset.attrs["scene_resolved"])["operation"].get(name, here)
     return (
         np.array([100.0 * row["measured"] for row in rows]),
         np.array([100.0 * row["standard_uncertainty"] for row in rows]),

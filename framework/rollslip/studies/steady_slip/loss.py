@@ -51,7 +51,7 @@ def loss_models(scene: Scene) -> tuple[LossModel, ...]:
     """Return the losses of a scene, ``models.loss``, in its order."""
     return structure_models(
         "loss",
-        [(choice.name, choice.parameters) for choice in scene.models.loss],
+        [(choice.name, choice.parameters) for choice in scene.models.loss or ()],
         Location(scene.origins, ("models", "loss")),
     )
 
