@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, load_scene
+from rollslip import evolve, load_scene, new
 from rollslip import plan as planned
 from rollslip.bearing.resolution import Resolution
 from rollslip.planning import execution, lines, verification
@@ -330,13 +330,31 @@ def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
                                 "estimated": plan.choices["effective-friction"].total["friction"]}  # fmt: skip
 
 
+def test_a_limit_drag_with_play_is_verified_by_one_with_play():
+    """By one of rollers that are set in the cage it was off by 1.2 %, and the tolerance of 1 % not kept."""
+    scene = new(
+        "NU2210", oil="iso-vg-68", speed="3000 rpm", load="3 kN", temperature="60 degC", cage="polyamide"
+    )  # fmt: skip
+    made = planned(scene, "steady-slip")
+    result = execution.execute(made, "steady-slip")
+    play = float(result["limit_drag"] / result["limit_drag_without_play"]) - 1.0
+    assert play < -8e-3
+    verified = verification.verify(made, "steady-slip", result)
+    [found] = [
+        row["found"]
+        for row in json.loads(verified.attrs["accuracy"])
+        if row["result"] == "friction"
+    ]
+    assert found < 0.5 * abs(play)
+
+
 @pytest.mark.parametrize("method", ["against the finest", "against four times as fine"])
 def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(method, plan, monkeypatch):
     class Fine:
         outputs = MappingProxyType({})
         controlled_outputs = MappingProxyType({})
         without_outputs = with_resolution = lambda self, _: self
-        run = verification_resolution = lambda self, *_: (None, method)
+        run = completed = verification_resolution = lambda self, *_: (None, method)
 
     found = {"friction": 2e-3, "critical_slip": math.inf}
     monkeypatch.setattr(verification, "errors_between", lambda *_: found)

@@ -157,7 +157,9 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     resolution, method = controlled.verification_resolution(
         plan.scene, plan.choices[study].resolution
     )
-    fine = controlled.with_resolution(resolution).run(assemble(plan.scene, resolution))
+    finer = controlled.with_resolution(resolution)
+    assembly = assemble(plan.scene, resolution)
+    fine = finer.completed(assembly, finer.run(assembly))
     errors = errors_between(controlled.controlled_outputs, dataset, fine)
     rows = accuracy_rows(plan, study, errors, method)
     exceeded = [
