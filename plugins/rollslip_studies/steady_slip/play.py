@@ -19,6 +19,7 @@ from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
 from rollslip_studies.motion.pockets import (
+    NEGLIGIBLE_PLAY,
     NO_CHANGE,
     BalanceWithPlay,
     SlipWithPlay,
@@ -34,9 +35,6 @@ from rollslip_studies.steady_slip.outputs import OUTPUTS
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Relative play below which a run leaves the play out. At three quarters of it the play changes slips of eight scenes
-#: by up to 0.6 %, at one and a half times by up to 1.4 %; chosen, below the tolerance of results.
-_NEGLIGIBLE_PLAY: Final = 0.01
 #: Slips at which the limit drag torque with play is sought, over that without play: the play takes the maximum to
 #: larger slips, by a factor of 1.4 where it lowers it by 5 %. Twice as many slips change it by up to 2.5e-3; chosen.
 _NEAR_MAXIMUM: Final = np.geomspace(1.0, 2.5, 12)
@@ -81,7 +79,7 @@ class Play:
 
     def _is_negligible(self, slip: float) -> bool:
         """Whether the play changes a slip by less than 1 %."""
-        return slip > 0.0 and relative_play(self.set_balance, slip) < _NEGLIGIBLE_PLAY
+        return slip > 0.0 and relative_play(self.set_balance, slip) < NEGLIGIBLE_PLAY
 
     @cached_property
     def found(self) -> SlipWithPlay:
