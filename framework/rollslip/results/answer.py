@@ -623,10 +623,9 @@ def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
         elif state is None and rule.verdict is Verdict.SKIDS:
             remark = f"whether {rule.condition} is not known"
             candidates.append((rule, Verdict.UNKNOWN, remark))
-        elif state is None:
-            candidates.append((rule, rule.verdict, rule.open_remark or rule.remark))
-        elif state:
-            candidates.append((rule, rule.verdict, rule.remark))
+        elif state is not False:
+            remark = rule.remark if state else rule.open_remark or rule.remark
+            candidates.append((rule, rule.verdict, remark))
     rank = _RANKS.index
     worst = max(candidates, key=lambda candidate: rank(candidate[1]))
     for candidate in unknown:
