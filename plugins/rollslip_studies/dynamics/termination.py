@@ -62,8 +62,8 @@ _MAX_DRIFT: Final = 0.25
 #: have no slip, as their means over an orbit differ by up to 15 %. Chosen, far below the scatter by data.
 _MAX_STEADY_ERROR: Final = 0.25
 #: Change over the last three spans, relative to the standard deviation of the slip in these, up to which it is noise. A
-#: slip that only rises has 2.3. Halved, one of five slips that fluctuate over six orbits counts as one that moves;
-#: doubled, slips that still rise count as noise. Chosen.
+#: slip that only rises has 2.3. Half of the value takes one of 200 random slips that fluctuate over six orbits for one
+#: that moves, a quarter 19; twice of it is next to slips that only rise. Chosen.
 _MAX_NOISE: Final = 1.0
 #: Student's t of the mean of three spans, two degrees of freedom: it is within so many standard errors with a
 #: probability of 90 %.
