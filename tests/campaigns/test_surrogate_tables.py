@@ -400,24 +400,35 @@ class Counted:
         self.plan = SimpleNamespace(ranges=ranges, error=0.01, seconds=seconds)
         self.results = dict[int, object]()
 
+    def seconds(self):
+        return 1.0
+
 
 def test_rows_are_refined_as_long_as_their_nodes_end_in_time(monkeypatch):
     now = 0.0
     monkeypatch.setattr(made_by.time, "monotonic", lambda: now)
     nodes = Counted(90.0)
     found = []
-    for levels, allowed in made_by._levels_in_time(nodes, 0.0, 1.0):
+    for levels, allowed in made_by._levels_in_time(nodes, 0.0):
         now += nodes.count(levels) - len(nodes.results)
         nodes.results = dict.fromkeys(range(nodes.count(levels)))
         found.append(levels)
         assert 0.0 < allowed < 0.01
     # 16, 28 and 49 nodes; 91 would end after 42 more
     assert found == [(0, 0), (0, 1), (1, 1)]
-    assert next(made_by._levels_in_time(Counted(1.0), now, 1.0))[0] == (0, 0)
+    assert next(made_by._levels_in_time(Counted(1.0), now))[0] == (0, 0)
     monkeypatch.setattr(made_by, "cores", lambda: 2)
     assert made_by._describe_cost(Counted(60.0), 8, 1.0) == (
         "24 operations of 1 s each on 2 processors take about 14 s, more nodes at most 1 min 0 s"
     )
+
+
+def test_the_time_of_a_node_is_that_of_its_computation_whenever_that_was(monkeypatch):
+    monkeypatch.setattr(made_by, "cores", lambda: 2)
+    rows = [SimpleNamespace(seconds=3.0), SimpleNamespace(seconds=5.0)]
+    monkeypatch.setattr(made_by, "records", lambda folder: rows)
+    nodes = made_by._Nodes(SimpleNamespace(), SimpleNamespace(folder="nodes"))
+    assert nodes.seconds() == 2.0  # 4 s on one of two processors
 
 
 def test_a_scene_is_exported_by_one_command(monkeypatch, tmp_path):

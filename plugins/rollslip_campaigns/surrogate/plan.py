@@ -36,26 +36,32 @@ from rollslip_studies.raceway_friction.study import (
 
 __all__ = ["UNITS", "SurrogatePlan", "drag_error", "plan_surrogate", "row_axes"]
 
-#: Nodes of the finest rows of temperature and load, uniform in temperature and in the logarithm of load; three
-#: intervals of 16 and one. Doubling the intervals allows smaller tolerances and changes no coarser table.
+#: Nodes of the finest axes of temperature and load, uniform in temperature and in the logarithm of load: three times
+#: the largest of the strides of module surrogate, and one. Doubling the intervals, with a stride of 32 before the
+#: others, allows smaller tolerances and changes no coarser table.
 ROW_NODES: Final = 49
 #: Smallest and largest load over that of the scene, where no range is named. Wider ranges need more nodes; chosen.
 _LOAD_FACTORS: Final = (0.4, 2.5)
-#: The same for the speed of a ring: a run-up without its first part. Chosen.
+#: The same for the speed of a ring: a run-up without its first part, and a fifth of overspeed. Chosen; wider ranges
+#: need more nodes of rolling speed.
 _SPEED_FACTORS: Final = (0.15, 1.2)
-#: Kelvins below and above the temperature of the scene, where no range is named. Chosen.
+#: Kelvins below and above the temperature of the scene, where no range is named. Chosen: viscosities change by about a
+#: factor of four over the range. Doubling it needs more nodes of temperature.
 _TEMPERATURE_CHANGE: Final = 20.0
 #: Smallest rolling speed over the smallest one at the epicyclic cage speed: slip changes the rolling speed by at
-#: most (R_o - R_i)/(2 R_o), see study raceway-friction. Halving it stretches the logarithmic axis.
+#: most (R_o - R_i)/(2 R_o), see study raceway-friction, which is below 0.3 where R_i exceeds 0.4 R_o. Halving it
+#: stretches the logarithmic axis; above 1 steady states would lie outside of it.
 _LOWER_FACTOR: Final = 0.7
 #: Largest rolling speed over the largest epicyclic one. A cage at rest has about twice the epicyclic one; chosen
 #: below it, because beyond the tables the last value is used. Doubling it stretches the logarithmic axis.
 _UPPER_FACTOR: Final = 1.6
 #: Smallest rolling speed over the largest one, also where rings reverse. Halving it stretches the logarithmic axis
-#: by 15 %, so that more nodes are needed.
+#: by 15 %, so that more nodes are needed; doubling it lets slower rings use the friction at 2 % of the largest speed.
+#: Chosen.
 _MIN_FRACTION: Final = 0.01
 #: Speeds of each ring at which rolling speed and ratio are evaluated; both are extreme at the ends of ranges
-#: except where rings reverse. Doubling it changes nothing for rings that do not reverse.
+#: except where rings reverse: there more of them find a rolling speed nearer to zero, which `_MIN_FRACTION` bounds.
+#: Chosen; doubling it changes nothing for rings that do not reverse.
 _RING_SPEEDS: Final = 9
 #: Smallest ratio over the largest one: without cage speed no centrifugal force acts, so that smaller ratios hardly
 #: change the contact forces. Halving it stretches the logarithmic axis. Chosen.
@@ -121,10 +127,10 @@ class SurrogatePlan:
 
 
 def row_axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
-    """Return the finest rows of temperature and load; a row has one node where both bounds are the same."""
+    """Return the finest axes of temperature and load; an axis has one node where both bounds are the same."""
     axes = {}
     for key, name, logarithmic in zip(
-        OPERATION_KEYS, ("temperature", "radial_load"), (False, True), strict=False
+        OPERATION_KEYS[:2], ("temperature", "radial_load"), (False, True), strict=True
     ):
         low, high = ranges[key]
         space = np.geomspace if logarithmic else np.linspace
@@ -191,7 +197,7 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     }
     rows = dict[str, object]()
     spans = dict[str, object]()
-    for key, axis in zip(OPERATION_KEYS, row_axes(ranges).values(), strict=False):
+    for key, axis in zip(OPERATION_KEYS[:2], row_axes(ranges).values(), strict=True):
         rows[key] = axis.nodes.tolist()
         if axis.nodes.size > 1:
             low, high = ranges[key]

@@ -13,7 +13,9 @@ error half-way between nodes, and hold-out validation at random operations.
 5. Choose the coarsest nodes within a point (cage ratio, rolling speed, slide-roll ratio) whose interpolation on all
    nodes leaves less than the same fraction; refine rolling speeds also for the drags of the cage.
 6. Interpolate the resulting tables at the random operations, and the drags at their temperatures and random speeds. If
-   the largest error exceeds the tolerance, halve the fraction and go on at step 3; after four attempts fail.
+   the largest error exceeds the tolerance, halve the fraction and go on at step 4 with the nodes so far; after four
+   attempts fail. In a limited time, halve the distance of loads and of temperatures in turn instead, as long as the
+   nodes end in time; the error is stated, whatever it is.
 7. The error of the file is the largest error at the random operations, of friction, resistance, force or drags.
 8. Add the steady states over temperature, load and shaft speed, and the stiffness at each.
 
@@ -71,18 +73,21 @@ __all__ = ["RESULT", "run_surrogate"]
 #: File of the result in the folder of a surrogate.
 RESULT: Final = "surrogate.nc"
 
-#: Distances of the nodes in the rows of temperature and load, coarse to fine. Each is half the previous one, so that
-#: points are reused; the first leaves four nodes, which a cubic needs.
+#: Distances of the nodes on the axes of temperature and load, coarse to fine. Each is half the previous one, so that
+#: points are reused; the first leaves four of `ROW_NODES`, which a cubic needs. Without the first one tables have at
+#: least seven nodes on an axis, and the coarsest takes three times the points.
 _ROW_STRIDES: Final = (16, 8, 4, 2, 1)
 #: The same for the nodes of a point: cage ratio, rolling speed, slide-roll ratio. Each number of intervals of
-#: raceway-friction (8, 48, 64) is a multiple of the largest stride. A larger stride makes smaller files.
+#: raceway-friction (8, 48, 64) is a multiple of the largest stride. The finest stride is 2, since with 1 nothing would
+#: be left to compare with; drags alone may require 1. A larger first one makes smaller files where it keeps the error.
 _POINT_STRIDES: Final = ((4, 2), (8, 4, 2), (4, 2))
 #: Fractions of the tolerance that one axis may use, attempt by attempt. Smaller ones compute more points at once,
 #: larger ones fail at the random operations more often. Chosen: several axes seldom err most at the same operation.
 _FRACTIONS: Final = (0.8, 0.4, 0.2, 0.1)
 
 #: Time for drags, steady states and stiffness after the nodes, over that of the nodes, in a limited time: 0.16 for
-#: gearbox on two processors. Half of it would make tables late by that.
+#: gearbox on two processors, and a margin. Half of it would make tables late by 6 % of their time, twice as much leaves
+#: a fifth of the time unused.
 _TIME_AFTER: Final = 0.2
 
 #: Shaft speeds at which steady states and stiffness are tabulated. Doubling it doubles their time and rows in a CSV
@@ -112,6 +117,10 @@ class _Nodes:
         """Return the number of nodes of temperature and load at levels of refinement."""
         axes = row_axes(self.plan.ranges).values()
         return math.prod(len(_row(axis, level)) for axis, level in zip(axes, levels, strict=True))
+
+    def seconds(self) -> float:
+        """Return the mean time of a node [s] while all processors compute nodes, in this call or an earlier one."""
+        return float(np.mean([row.seconds for row in records(self.points.folder)])) / cores()
 
     def tables(self, temperatures: Sequence[int], loads: Sequence[int]) -> dict[str, Array]:
         """Return the tables at indices of the finest rows of temperature and load: (temperature, load, ...)."""
@@ -188,7 +197,10 @@ def _interpolate_all_nodes(tables: Mapping[str, Array], strides: Sequence[int]) 
 
 
 def _choose_point_strides(tables: Mapping[str, Array], allowed: float) -> list[int]:
-    """Return the coarsest strides within a point, each with an error up to `allowed` if the other axes are fine."""
+    """Return the coarsest strides within a point, each with an error up to `allowed` if the other axes are fine.
+
+    It is the finest where none has so small an error; the random operations tell by how much it is exceeded.
+    """
     flat = {name: tables[name].reshape(-1, *tables[name].shape[2:]) for name in _TABLE_AXES}
     chosen = [options[-1] for options in _POINT_STRIDES]
     for k, options in enumerate(_POINT_STRIDES):
@@ -230,7 +242,7 @@ def run_surrogate(
     Raises
     ------
     ConvergenceError
-        If a point fails, or the finest tables leave more than the allowed error.
+        If a point fails, or, without a limit of time, the finest tables leave more than the allowed error.
     """
     nodes = _Nodes(plan, Points.in_folder(plan.sweep, folder / "nodes", print_line, report))
     design = plan.random.design
@@ -252,11 +264,7 @@ def run_surrogate(
         )
         for key in OPERATION_KEYS[:2]
     }
-    attempts = (
-        _levels_in_time(nodes, start, (time.monotonic() - start) / design.size)
-        if plan.seconds
-        else _levels_by_error(nodes)
-    )
+    attempts = _levels_in_time(nodes, start) if plan.seconds else _levels_by_error(nodes)
     for levels, allowed in attempts:
         rows = [_row(axis, level) for axis, level in zip(axes.values(), levels, strict=True)]
         fine = nodes.tables(*rows)
@@ -327,9 +335,7 @@ def _levels_by_error(nodes: _Nodes) -> Iterator[tuple[Sequence[int], float]]:
         yield levels, allowed
 
 
-def _levels_in_time(
-    nodes: _Nodes, start: float, seconds: float
-) -> Iterator[tuple[Sequence[int], float]]:
+def _levels_in_time(nodes: _Nodes, start: float) -> Iterator[tuple[Sequence[int], float]]:
     """Yield levels of both rows, loads refined first, as long as their nodes end in the time of the plan.
 
     Parameters
@@ -338,14 +344,12 @@ def _levels_in_time(
         The nodes, of which those of the levels before are known.
     start : float
         Clock at the start [s].
-    seconds : float
-        Time of a node [s].
     """
     end = start + (nodes.plan.seconds or math.inf)
-    for attempt in range(2 * len(_ROW_STRIDES) - 1):
+    for attempt in range(2 * len(_ROW_STRIDES) - 1):  # one axis is refined in each, loads first
         levels = attempt // 2, (attempt + 1) // 2
         missing = nodes.count(levels) - len(nodes.results)
-        if attempt and time.monotonic() + (1.0 + _TIME_AFTER) * missing * seconds > end:
+        if attempt and time.monotonic() + (1.0 + _TIME_AFTER) * missing * nodes.seconds() > end:
             return
         yield levels, _FRACTIONS[0] * nodes.plan.error
 
