@@ -604,9 +604,12 @@ def _describe_jumps(heated: Heated) -> str:
             else f"at {low - 273.15:.4g} degC"
             for low, high in heated.jumps
         )
+        doubt = ""
+        if any(low == high for low, high in heated.jumps):
+            doubt = ", or the search for a balance does not converge"
         texts.append(
-            f"{intervals} of the {node} losses jump past what is carried away, with the steady slip: no balance is "
-            "there"
+            f"{intervals} of the {node} losses jump past what is carried away, with the steady slip{doubt}: no balance "
+            "is there"
         )
     if skipped:
         texts.append(
