@@ -95,15 +95,16 @@ QUANTILES: Final = (0.05, 0.95)
 
 #: Normal score of the higher of these probabilities.
 _SCORE: Final = NormalDist().inv_cdf(QUANTILES[1])
-#: Slices of a roller, at most, of the model from which factors come, graded. Slips of 20 bearings of the catalogue are
-#: within 6.4 % of those of 400 slices, with 12 slices within 21 %, with 12 equal ones within 41 %. Twice as many take a
-#: third more time for a band (``tests/studies/test_band.py``).
+#: Slices of a roller, at most, of the model from which factors come; they are graded, narrower towards the ends of a
+#: roller. Slips of 20 bearings of the catalogue are within 6.4 % of those of 400 slices, with 12 slices within 21 %,
+#: with 12 equal ones within 41 %. Twice as many take a third more time for a band (``tests/studies/test_band.py``).
+#: Chosen: a factor of two slips of the same error is far nearer than the band is wide.
 _MAX_SLICES: Final = 24
 # Secants over the logarithm of a slip or a load:
 
-#: Step of the logarithm at which the search ends; what is left is far less, because secants converge faster than
-#: linearly. In four scenes of the catalogue twice as much changes a factor by up to 6 % and saves 7 % of the time, half
-#: as much changes it by 0.5 %.
+#: Step of the logarithm at which the search ends. What is left is far less where secants made several steps, because
+#: they converge faster than linearly. `rollslip.search` limits the number of steps. In four scenes of the catalogue
+#: twice as much changes a factor by up to 6 % and saves 7 % of the time, half as much changes it by 0.5 %.
 _TOLERANCE: Final = 0.03
 #: Largest step of the logarithm, a factor of e, which keeps secants from overshooting the maximum of the torque. Half
 #: or twice as much changes a factor by 0.4 % in these scenes. Chosen.
@@ -116,16 +117,17 @@ _FIRST_STEP: Final = 0.05
 # known:
 
 #: Factors on the play of a pocket at the quantiles. No catalogue gives a play: between the typical one of brass and
-#: that of polyamide is a factor of 1.7, and makers differ as much (D). Chosen, nearly that factor either way: those of
-#: docs/scripts/play.py. Wider ones would widen the band.
+#: that of polyamide is a factor of 1.7. Chosen, nearly that factor either way, without a source on how makers differ.
+#: Slips with play change with the power `_PLAY_EXPONENT` of it: squared factors would square that part of the band.
 _PLAY_FACTORS: Final = (0.6, 1.6)
 #: Exponent of a slip over the play, for each part of the slip that the play adds. In the twelve scenes of
-#: docs/scripts/play.py slips at 0.6 and 1.6 times the play are within 9 % of those of a march, but for one by 19 %. A
-#: smaller exponent would narrow the band.
+#: docs/scripts/play.py slips at 0.6 and 1.6 times the play are within 9 % of those of a march, but for one by 19 %.
+#: With 1.0 a slip that consists of play would have a band from 0.60 to 1.60 in place of 0.54 to 1.76.
 _PLAY_EXPONENT: Final = 1.2
-#: Part of the slip that the play adds which bars of metal take away, as rollers rebound from them: 0.14 to 0.66 in six
-#: transient motions, 0.37 in the median (docs/tables/effective_slip.csv). Chosen above the median, because the band
-#: takes it for a change at the lower quantile. A larger one would lower the band further.
+#: Part of the slip that the play adds which bars of metal take away, as rollers rebound from them: (film - metal)/film
+#: of the columns "by play" of docs/tables/effective_slip.csv is 0.14 to 0.48 in the five motions in which play adds
+#: more than a hundredth of the slip. Chosen near the largest, because the band takes it for a change at the lower
+#: quantile. A larger one would lower the band further.
 _LESS_BY_METAL: Final = 0.45
 
 
@@ -506,7 +508,8 @@ def _log_steady_slip(
         return log, own_slope
     # beyond a fold, or without a root: the smallest stable slip of the loading branch, if there is one
     branch = balance.loading_branch(RANGE)
-    steady = next(iter(branch.find_steady_motions(balance.drag)), None)
+    motions = branch.find_steady_motions(balance.drag)
+    steady = next((motion for motion in motions if motion.slope > 0.0), None)
     if steady is not None:
         return math.log(max(steady.slip, SEARCH.slip_floor)), None
     if branch.torque_without_slip + balance.drag(0.0) > 0.0:  # the drags drive the cage
