@@ -93,47 +93,51 @@ from rollslip.studies.bounds import (
 
 # Probe: how many slips it samples, and what counts as a maximum ------------------------------------------------------
 
-#: Slips of the grid over the range on which maxima are searched. Chosen: a curve has one or two maxima. Twice as
+#: Slips of the grid over the range on which maxima are searched; they are quadratically denser towards zero
+#: (`rollslip.bearing.critical.slip_grid`). Chosen: a curve has one or two maxima. Twice as
 #: many find maxima that lie closer, at twice the cost.
 _GRID_SLIPS: Final = 13
 #: Every how many slips of that grid the curves are compared, beside the three slips of each maximum: this finds errors
 #: of friction away from a maximum. Doubled, two slips remain in place of four. Chosen: four show the level of a curve.
 _GRID_STRIDE: Final = 3
-#: Slips on which a maximum is searched again between its neighbours of the grid, two steps of the grid apart. They set
-#: the step h of the parabola through three slips, whose vertex is off in proportion to h^2. At another resolution it
-#: may shift by a step of the grid before it counts as lost, whatever this number. Doubled, h is half as long, so that
-#: such a vertex is extrapolated further from its three slips, and a maximum costs seven evaluations more. Chosen.
+#: Slips between the two neighbours of a maximum of the grid on which it is searched again; the upper neighbour is
+#: added. They set the step h of the parabola through three slips, whose vertex is off in proportion to h^2. At another
+#: resolution the vertex may shift by half of the searched interval before it counts as lost, whatever this number.
+#: Doubled, h is half as long, so that such a vertex is extrapolated further from its three slips, and a maximum costs
+#: seven evaluations more. Chosen.
 _REFINED_SLIPS: Final = 7
 #: Height, relative to the largest maximum, from which a maximum counts: finer slices may make it the largest. In
 #: scene 7 of docs/tables/plan_proof.csv coarse slices had the other one of two for the largest. Halved, evaluations
 #: are spent on maxima that never become the largest; above 1 no maximum counts. Chosen.
 _RIVAL_HEIGHT: Final = 0.7
-#: Most intervals that are refined one after the other around a maximum, each a quarter of the one before. Half as many
-#: end at 1e-6 of the first slip of the grid, and miss maxima of thick oils at some 1e-10; twice as many change nothing.
+#: Largest number of intervals that are refined one after the other around a maximum, each a quarter of the one before.
+#: Half as many end at 1e-6 of the first slip of the grid, and miss maxima of thick oils at slips of some 1e-10; twice
+#: as many change nothing.
 _MAX_PEAK_INTERVALS: Final = 20
 
 # Fractions of the tolerance of a result: what parts of the error may take, and from where estimates are doubted. All
 # are chosen. They trade the cost of a run against the number of runs that exceed their tolerance; docs/trust/plan has
 # these numbers for random scenes.
 
-#: Of slices and roller positions together before a run. The other half is for what `_SIMPLIFICATIONS` may take. What a
-#: few slips do not show is covered only where these take less, and tables by the ``fraction`` that a study passes.
+#: Of slices and roller positions together before a run. The other half is for what `_SIMPLIFICATIONS` may take. Errors
+#: between the slips of the probe have no part of their own: what the simplifications leave unused has to cover them.
+#: Tables take theirs by the ``fraction`` that a study passes.
 #: Halved, a run has up to 1.4 times as many slices and positions. Doubled, all parts together may exceed the tolerance.
 _DISCRETISATION_FRACTION: Final = 0.5
 #: Of `_DISCRETISATION_FRACTION` that slices get at least. Positions aim at half of it, and slices get the rest. Only
-#: where the reference resolution has too few positions do they take more; without this limit they would leave nothing,
-#: and slices would be infinitely many. Halved, slices are then made up to 1.4 times as many; doubled, they are fewer
-#: than where positions keep their half, although the error is larger. Chosen, below a half.
+#: where the reference resolution has too few positions do they take more; without this limit nothing might be left, and
+#: no number of slices would be enough. Halved, slices are then made up to 1.4 times as many. Above a half, slices would
+#: get more than their half just where positions take more than theirs. Chosen, below a half.
 _MIN_SLICE_FRACTION: Final = 0.3
 #: By which a closed form may change the curves in place of the law that a scene names. With the two parts of a contact
 #: and `_DISCRETISATION_FRACTION` it adds up to 1. Doubled, a closed form is taken more often, and all errors together
 #: may exceed the tolerance. Chosen.
 _LAW_FRACTION: Final = 0.1
 #: By which every value may change, relative to itself, where a part of a contact is left out. It is relative to the
-#: value since a steady slip goes with the friction at that slip, and not with the largest friction. Doubled, more is
+#: value since a steady slip follows from the friction at that slip, and not from the largest friction. Doubled, more is
 #: left out, and all errors together may exceed the tolerance. Chosen.
 _LEFT_OUT_FRACTION: Final = 0.2
-#: Below which an error is believed without its order, and errors of slices by the slips of the probe alone. Doubled,
+#: Below which an error is believed without its order, and slices are compared at the slips of the probe alone. Doubled,
 #: fewer runs are compared with a third number of positions, and an order that is lower than assumed is noticed only
 #: nearer to the tolerance. Chosen: an error of three times its estimate keeps the tolerance.
 _CLEAR_FRACTION: Final = 0.3
@@ -149,25 +153,29 @@ _REFINED_FRACTION: Final = 0.35
 
 # Ladders of a run that is planned ------------------------------------------------------------------------------------
 
-#: Slices of the ladder; the others are compared with the last. The first is the coarsest that a plan chooses. Twice as
-#: many in the last doubles the cost of a plan; its own error, 1/36 of that of 16 slices, is allowed for.
+#: Slices of the ladder; the others are compared with the last. The first is the coarsest that a plan chooses, and where
+#: doubling starts. Twice as many in the last doubles the cost of a plan; its own error, 1/36 of that of 16 slices, is
+#: allowed for. Chosen: three numbers show the order, from the coarsest that shows a profile on.
 _SLICE_LADDER: Final = (8, 12, 16, 96)
-#: Roller positions on which the ladder of slices is computed. Chosen: with one, few rollers are near the ends of the
-#: loaded zone; four would double the cost of a plan.
+#: Roller positions on which slices are compared, before and after a run, and doubled. Chosen: with one, few rollers are
+#: near the ends of the loaded zone; four would double the cost of a plan.
 COARSE_POSITIONS: Final = 2
-#: Roller positions of the ladder: each number divides the last, so that all cost no more than the last.
+#: Roller positions of the ladder: each number divides the last, so that all cost no more than the last; a run's slices
+#: are compared on so many at most. With 24 the ladder would cost twice as much.
 _POSITION_LADDER: Final = (1, 2, 3, 4, 6, 12)
-#: Roller positions of the ladder where each number is computed for itself, so that twelve would cost too much.
+#: Roller positions of the ladder where each number is computed for itself: twelve together, as the last of the other
+#: ladder, and twice as many with a further number of twelve.
 _SEPARATE_POSITION_LADDER: Final = (1, 2, 3, 6)
-#: Slices on which positions and laws are compared. Chosen: their changes hardly depend on the slices; twice as many
-#: double the cost of a plan.
+#: Slices on which positions and laws are compared, and maxima of the probe are searched. Chosen: their changes hardly
+#: depend on the slices; twice as many double the cost of a plan.
 COARSE_SLICES: Final = 12
 #: Fractions of the range of slips at which laws are compared, too. Laws differ most where an oil begins to shear by the
 #: stress and not by the viscosity, up to a hundred times as much as at the slips of a maximum. Chosen: two a decade.
 #: Twice as many add five slips to about twelve of a comparison of laws.
 _SMALL_SLIPS: Final = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
 #: Roller positions on which laws are compared, because loads, and slips of free rollers, differ between positions.
-#: Doubled, a comparison of laws takes twice as long. Chosen.
+#: Doubled, a comparison of laws takes twice as long. Chosen: twice `COARSE_POSITIONS`, because the errors of laws are
+#: not estimated again after a run.
 _LAW_POSITIONS: Final = 4
 #: Factor by which a quantity may exceed the largest that the probe met before what was left out is reinstated. Chosen;
 #: with 1 or less nearly every run would start again, as its slips and positions are others. The error grows by about
@@ -186,7 +194,8 @@ _SIMPLIFICATIONS: Final = {
 
 #: Lowest order that is taken for the mean over positions of a continued curve, in place of `MIN_ORDER`: each roller
 #: jumps somewhere between two positions, so that the error falls at least with the inverse of their number. Two numbers
-#: of positions that show less do so by chance. With `MIN_ORDER` errors would be estimated up to 1.7 times as large.
+#: of positions that show less do so by chance. With `MIN_ORDER` errors would be estimated up to 1.7 times as large,
+#: with 2 as a third of these.
 _JUMP_ORDER: Final = 1.0
 
 # Runs that are made again --------------------------------------------------------------------------------------------
@@ -375,8 +384,8 @@ class Probe:
     ) -> tuple[Array, Array]:
         """Return slips around a maximum between two of the grid, and a curve there at one roller position.
 
-        As long as the first of them is the best, as of a curve that rises steeply from zero, the interval ends at the
-        second. The higher neighbour of the grid is among them otherwise.
+        If the first of them has the largest value, as on a curve that rises steeply from zero, the search is repeated
+        from the lower end to the second. The last slip is the upper end.
         """
         refined = np.linspace(low, high, _REFINED_SLIPS + 2)[1:]
         values = self._study.curves(at, refined, (1,))[0][curve]
@@ -407,7 +416,7 @@ class Probe:
         return [(c, self._maxima(c)) for c in self._study.curves(assembly, slips, n_positions)]
 
     def _maxima(self, curves: Array) -> Array:
-        """Return the slips of the maxima by a parabola each, NaN where its vertex is not among the slips around it."""
+        """Return the slips of the maxima by a parabola each, NaN where its vertex is outside the searched interval."""
         step = self._peaks[2]
         curve, first = self._peaks[:2].astype(int)
         low, middle, high = curves[curve, first + np.arange(3)[:, None]]
@@ -447,9 +456,10 @@ def choose_by_curves(
     assembly : Assembly
         The bearing as the scene states it.
     fraction : float
-        Fraction of the tolerance that slices and positions may use.
+        Fraction of their part of the tolerance, `_DISCRETISATION_FRACTION`, that slices and positions may use.
     cheaper_laws : bool
-        Whether models may be left out, or replaced by a closed form, where the tolerance allows it.
+        Whether models may be left out, or replaced by a closed form, where the tolerance allows it. Boundary friction
+        where every film is full is left out anyway, because that changes nothing.
     """
     if assembly.scene.accuracy.exact:
         return reference_choice(study, assembly)
@@ -481,9 +491,9 @@ def choose_by_curves(
             reference = probe.sample(coarse, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)[0]
         cheaper = coarse.at(attrs.evolve(coarse.resolution, **changes))
         (sample,) = probe.sample(cheaper, _LAW_POSITIONS, small_slips=_SMALL_SLIPS)
-        error_norm, fraction = _SIMPLIFICATIONS[name]
+        error_norm, allowed = _SIMPLIFICATIONS[name]
         error = error_norm(sample, reference)
-        if not exceeding(error, coarse.scene.accuracy, fraction):
+        if not exceeding(error, coarse.scene.accuracy, allowed):
             resolution = attrs.evolve(resolution, **changes)
             errors[name] = error
             left_out.append(bound)
@@ -537,7 +547,7 @@ def choose_slices_and_positions(
     assembly : Assembly
         The bearing as the scene states it.
     fraction : float
-        Fraction of the tolerance that slices and positions may use.
+        Fraction of their part of the tolerance, `_DISCRETISATION_FRACTION`, that slices and positions may use.
     """
     accuracy = assembly.scene.accuracy
     best = reference_resolution(assembly.scene)
@@ -834,10 +844,10 @@ class _ReferenceComparison:
     def with_joint_errors(self, estimate: ErrorEstimate) -> ErrorEstimate:
         """Return an estimate with the errors by refining slices and positions together, and each alone.
 
-        Where both runs agree, a second reference follows for single values. Each part alone is refined where both
-        together exceed the tolerance. An observed order of the positions counts for joint errors and for those of
-        slices, too, if it is below `JOINT_ORDER`: it makes them larger. Joint errors contain those of what was left
-        out, as if these fell with that order.
+        Where they keep the tolerance, but exceed `_CHANCE_FRACTION` of it, a second reference follows for single
+        values. Each part alone is refined where both together exceed the tolerance. An observed order of the positions
+        counts for joint errors and for those of slices, too, if it is below `JOINT_ORDER`: it makes them larger. Joint
+        errors contain those of what was left out, as if these fell with that order.
         """
         resolution = self.assembly.resolution
         orders = {
@@ -880,7 +890,8 @@ class _ReferenceComparison:
     ) -> dict[str, float]:
         """Return the errors of single values, and of curves at the slips of the probe, against a finer resolution.
 
-        A reference with the same numbers, and with all models, shows the error of what was left out as a whole.
+        A reference with the same numbers, and with all models, shows the whole error of what was left out, without a
+        factor of Richardson's.
         """
         at = self.assembly.at(finer)
         changes = dict(self.study.value_errors(at, self.dataset))
@@ -933,7 +944,7 @@ def estimate_error(
     curve_study = study.curve_study(assembly)
     coarse = coarse_assembly(assembly)
     if coarse.slices >= assembly.slices or (curve_study and curve_study.uses_continuation):
-        # of two maxima of nearly the same height coarse slices may have another one for the largest
+        # no cheaper, or coarse slices may have another one of two maxima of nearly the same height for the largest
         coarse = assembly
     comparison = _ReferenceComparison(
         study=study,

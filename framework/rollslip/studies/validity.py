@@ -7,8 +7,9 @@
    (`rollslip.models.Validity`); nothing here knows a model by name.
 3. A law that approximates another (``solved_by``) is compared with that law on the same slices (`law_difference`). Its
    measured error replaces the messages about the approximation's own bounds.
-4. Word each excess (`validity_messages`), in the order of its severity: the fraction outside times the relative error
-   in the median of the force outside. An error that is not known counts as the whole.
+4. Word each excess (`validity_messages`), in the order of its severity: the fraction of the force outside times the
+   relative error of the law at the median of the bounded quantity there, weighted by force. An error that is not known
+   counts as the whole.
 5. Count the rest in one sentence (`warning_texts`): what is below the tolerance, and bounds that nearly every bearing
    exceeds with an error that is not known.
 """
@@ -57,13 +58,14 @@ __all__ = [
     "warning_texts",
 ]
 
-#: Code of the error of a law that approximates another, which has no bound.
+#: Code of the message on the measured error of a law that approximates another; messages on bounds have the codes of
+#: these (`rollslip.models.Validity`).
 APPROXIMATION: Final = "W23"
 #: Quantiles of the bounded quantity outside, weighted by force: a message has the outer ones, the severity the middle
 #: one. Chosen; 0 and 1 would let a single slice decide what a message says.
 _QUANTILES: Final = (0.05, 0.5, 0.95)
-#: What fractions outside a range are of, in messages; those of all force are "all loaded contacts". Messages on rows of
-#: data have another text.
+#: End of "37 % of the contact force" in messages; 100 % of it is "all loaded contacts". Messages on rows of data pass
+#: another text.
 _OF_FORCE: Final = "of the contact force"
 
 #: Base class of a law -> what messages call its kind.
@@ -259,7 +261,10 @@ def symbol_of(name: str) -> tuple[str, str]:
 def laws_of(
     model: SliceModel, covered: frozenset[str] = frozenset()
 ) -> Iterator[tuple[str, SliceModel, Validity]]:
-    """Yield kind and name of a law, itself and each of its validities, then those of its submodels."""
+    """Yield (kind and name, law, validity) for each validity of a law and of its submodels.
+
+    Those in quantities that an outer law covers are left out.
+    """
     kind = next((name for base, name in _KINDS if isinstance(model, base)), "")
     label = f"{kind} {model.name!r}".strip()
     for validity in model.validity:
@@ -382,7 +387,7 @@ def law_difference(
     Returns
     -------
     LawDifference or None
-        None where the law approximates no other, or no slice has friction.
+        None where the law approximates no other, a closed form replaced it in this run, or no slice has friction.
     """
     law = traction.full_film
     if law.solved_by is None or assembly.resolution.traction != "named":
@@ -414,7 +419,7 @@ def law_difference(
 
 
 def _friction_differences(table: RingSlices, chain: Chain) -> Array:
-    """Return the relative error of the friction of a ring against another chain of laws, for each slip, (slips,)."""
+    """Return the relative errors of the friction of a ring against another chain, at each slip with friction."""
     own = table.slices
     force = table.force
     columns = {name: getattr(own, name) for name in ("load", "rolling_speed", "sliding_speed")}
@@ -542,7 +547,7 @@ def describe_bound(validity: Validity, *, is_outside: bool = False) -> str:
         Whether the values outside are described: "load parameter M < 2".
     """
     if validity.made_for:
-        return f"{'values outside ' * is_outside}{validity.made_for}"
+        return f"values outside {validity.made_for}" if is_outside else validity.made_for
     name, unit = symbol_of(validity.quantity)
     bounds = [
         f"{signs[is_outside]} {f'{limit:.3g}' if unit == '1' else format_quantity(limit, unit, 3)}"
@@ -552,7 +557,10 @@ def describe_bound(validity: Validity, *, is_outside: bool = False) -> str:
 
 
 def _is_of_approximation(excess: RangeExcess, difference: LawDifference) -> bool:
-    """Whether a bound is one of an approximation itself, whose error is known by its difference."""
+    """Whether a bound is one of an approximation itself, whose error is known by its difference.
+
+    A bound in a quantity of all laws concerns the physics, which the approximated law shares.
+    """
     is_general = excess.validity.quantity in {*QUANTITIES, *COLUMNS, *CONDITIONS}
     return excess.law == f"traction {difference.law!r}" and not is_general
 

@@ -1,6 +1,8 @@
 """Motion of bearing, rollers and cage in the plane: a system of arrow shape.
 
-Outer ring fixed, line of load psi = 0 until it turns, gravity in any direction.  e = (cos psi, sin psi),
+The centre of the outer ring is fixed. The load acts along psi = 0 until a history turns it, gravity in any direction.
+F and F_R are traction and rolling resistance, V the sliding speed, G_r the clearance, P of a contact the drop of the
+profile and P of a pocket its force, w_i and w_o the speeds of the rings, V_p the smoothing speed.  e = (cos psi, sin psi),
 t = (-sin psi, cos psi)::
 
     head     inner ring x_i, v_i (2 each) · cage x_c, v_c (2 each), speed w_c, angle phi_c · a of forms that turn
@@ -12,8 +14,8 @@ t = (-sin psi, cos psi)::
     rings that yield   M q'' = sum N B(psi) + push - K q - D q' of each shape of either ring, q in the head, then q'
                        (+ M/2 q'^2 + K/2 q^2 - push q to the energy)
 
-Every force acts through the speed that it does work on, so each line below gives by virtual work, -f dV/dq', all
-generalised forces; momentum, energy and angular momentum then close to rounding, centrifugal, Coriolis and unbalance
+Every force f acts against the speed V that it does work on, so each line below gives by virtual work all generalised
+forces, -f dV/dq'; momentum, energy and angular momentum then close to rounding, centrifugal, Coriolis and unbalance
 forces come from the energy, and no force is written down twice::
 
     inner contact   approach d = x_i.e - G_r/2 - rho - P + h_i;  d' = v_i.e + (x_i.t) w - v + h_i'
@@ -98,15 +100,15 @@ Notes
   they are watched: after a step, since the trials of an explicit method may lie anywhere.
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
-- Rings yield in a frame that stands, and are out of round in it or in their own. The radial motion of a raceway does
+- Rings yield in a frame that stands, and are out of round in this frame or in one that turns with the ring. The radial motion of a raceway does
   not rub, and its slope, which counts in the torque on the rollers, is left out of the directions of friction.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
 - All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers
   that no bar may touch are passed over.
 - The force of a roller comes from a table over the root of its gap, where there is one, friction needs no slices and no
-  gap lies beyond it; else from the deflection law on every slice. One gap beyond it takes its ring there, and so does
-  one contact beyond the table of conventional friction.
+  gap lies beyond it; else from the deflection law on every slice. A single gap beyond the table makes all contacts of
+  its ring use slices, and so does one contact beyond the table of conventional friction.
 """
 
 import numpy as np
@@ -133,7 +135,7 @@ from rollslip_kernels.stages.simd import active
 
 cdef enum:   # who refused an evaluation
     DEFLECTION_REFUSED = LEVEL_REFUSED   # + ring
-    DISPLACEMENT_REFUSED = DEFLECTION_REFUSED + 2   # + 1 for the cage, 2 for a shape
+    DISPLACEMENT_REFUSED = DEFLECTION_REFUSED + 2   # + 0 for the inner ring, 1 for the cage, 2 for a shape
 
 #: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
 LEDGER_UNITS: Mapping[str, str] = {
@@ -147,7 +149,7 @@ ctypedef struct planar_t:
     rs_bearing c                   # what all levels share: numbers, pocket, drags, columns over the rollers (bearing.h)
     const rs_plane_loops *loops    # over the rollers, for the instruction set at hand (planar_loops.h)
     size_t head_size               # unknowns before the rollers
-    double *shape_forces           # generalised forces of the rollers on all shapes [N]
+    double *shape_forces           # generalised forces of the rollers on the shapes of one ring at a time [N]
     double ring_mass               # m_i [kg]
     double cage_mass               # m_c [kg]
     double unbalance               # U of the cage [kg m]
@@ -172,8 +174,9 @@ ctypedef struct planar_t:
 # Multiple of the half of a step, at the present speeds, in which a bar may be touched: forces change speeds in it. With
 # 1 touches are missed, with 4 more rollers are evaluated. Chosen.
 cdef double CONTACT_MARGIN = 2.0
-# Displacement of ring, cage or shape over the radius of a roller, beyond which it is not small. Chosen: with 0.2 terms
-# of second order, which the equations leave out, are up to four times as large, with 0.05 a quarter.
+# Displacement of ring, cage or shape over the radius of a roller, the shortest length of the equations, beyond which it
+# is not small. Chosen: terms of second order, which the equations leave out, are of the order of 1 % there; with 0.2
+# they are up to four times as large, with 0.05 a quarter.
 cdef double MAX_DISPLACEMENT = 0.1
 
 

@@ -104,44 +104,44 @@ __all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin"]
 
 #: Name of the file with the result, in the folder of the sweeps.
 RESULT: Final = "uncertainty.nc"
-#: Confidence of the intervals that are reported. A higher one widens every interval. Chosen: the usual 95 %.
+#: Confidence of the intervals that are reported. With 99 % intervals of many samples are a third wider. Chosen: the
+#: usual 95 %.
 CONFIDENCE: Final = 0.95
 #: Confidence of the intervals of quantiles where the samples end at a width (``until``). Such a stop favours intervals
-#: that are narrow by chance, which costs up to 4 % of coverage (docs/tables/margin_coverage.csv): with 0.975 the
-#: intervals still hold with 95 %. With 0.95 they would not; closer to 1 they need more samples than necessary.
+#: that are narrow by chance, which costs up to 4 percentage points of coverage (docs/tables/margin_coverage.csv): with
+#: 0.975 the intervals still hold with 95 %. With 0.95 they would not; closer to 1 they need more samples than
+#: necessary.
 STOPPING_CONFIDENCE: Final = 0.975
-#: Samples of the first batch; a batch ends at 256, 512, 1024, ... samples. Twice as many can make runs with ``until``
-#: compute up to 256 samples too many. Chosen: 32 samples of each of eight sequences, a power of two.
+#: Samples of the first batch where a width is requested (``until``); a batch ends at 256, 512, 1024, ... samples. Twice
+#: as many can make such a run compute up to 256 samples too many. Chosen: 32 samples of each of eight sequences, enough
+#: for the interval that is compared with the width, and a power of two, as Sobol sequences need.
 _FIRST_BATCH = 256
 #: Maximum number of samples with ``until``, which bounds the time of a run whose interval stays wider. Twice as many
 #: make the interval at the maximum narrower by about 1/sqrt(2), for twice the time. Chosen.
 _MAX_SAMPLES = 16384
-#: Default number of samples of the first batch. Twice as many double the time of a default run. Chosen: a power of two
-#: above the 72 samples that a 5 % quantile needs for two finite bounds
+#: Samples of the first batch where no number is given, at most `_FIRST_BATCH`. Twice as many double the time of a
+#: default run. Chosen: a power of two above the 72 samples that a 5 % quantile needs for two finite bounds
 #: (`rollslip_campaigns.uncertainty.estimators.min_samples`).
 _DEFAULT_SAMPLES = 128
 #: Default maximum number of samples. Twice as many double the time where points fail, so that intervals stay open.
-#: Chosen: three times the 336 samples that a 1 % quantile needs.
+#: Chosen: three times the 336 samples that a 1 % quantile, the outermost that is usually requested, needs for two
+#: finite bounds, so that two of three samples may fail.
 _MAX_DEFAULT_SAMPLES = 1024
-#: Time [s] beyond which no batch is to end that the number of samples by default begins. Chosen: a user waits as long.
+#: By default no batch of samples begins that would end later than this [s]. Twice as much lets a run of slow points
+#: take 20 min for twice as many samples. Chosen: a user waits as long.
 _MAX_SECONDS = 600.0
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
 #: time. Chosen: enough for the median. The ends of a 90 % band have two finite bounds from 72 samples on
-#: (`rollslip_campaigns.uncertainty.estimators.min_samples`), and one with 64.
+#: (`rollslip_campaigns.uncertainty.estimators.min_samples`); with 64 only the inner bound of each is finite.
 _DEFAULT_LOADS = 64
 #: Probabilities of the quantiles that are reported besides those of the requested probability p and 1 - p.
 _REPORTED_PROBABILITIES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 #: Predicates that classify a sample: known, beyond a range, unknown; in the order of the variables that count them.
 _SAMPLE_KINDS: Final = (np.isfinite, np.isinf, np.isnan)
 #: Variables of study effective-friction that the samples need.
-_OUTPUTS: Final = (
-    "drag_reserve",
-    "steady_cage_slip",
-    "skidding_slip",
-    "limit_drag",
-    "critical_cage_slip",
-    "critical_friction",
-)
+_OUTPUTS: Final = ("drag_reserve", "steady_cage_slip", "skidding_slip", "limit_drag")
+#: Those that emulated samples do without.
+_CRITICAL_OUTPUTS: Final = ("critical_cage_slip", "critical_friction")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -339,11 +339,12 @@ def plan_margin(requested: "UncertaintySettings") -> Margin:
         "engine": requested.engine,
         "time_limit": requested.time_limit,
     }
-    friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
+    outputs = (*_OUTPUTS, *_CRITICAL_OUTPUTS)
+    friction = {"study": EffectiveFriction.name, "output": outputs, **shared}
     is_plain = (
         requested.plain or requested.until is not None or not is_worthwhile(requested.samples)
     )
-    whole = friction if is_plain else {**friction, "output": (*_OUTPUTS[:-2], *TORQUES)}
+    whole = friction if is_plain else {**friction, "output": (*_OUTPUTS, *TORQUES)}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **whole)
     _check_design(critical, requested.indices)
     requested_engine(critical)  # an unusable engine is refused before a folder is made
@@ -559,12 +560,14 @@ def _stop_reason(plan: Margin, critical: "xr.Dataset", seconds: float) -> str:
         Time [s] at which another batch would end.
     """
     count = critical.sizes["sample"]
+    intervals = f"{100.0 * CONFIDENCE:.0f} % intervals"
     if plan.is_bounded(critical):
-        return f"{count} samples, enough for 95 % intervals of all bounds"
+        return f"{count} samples, enough for {intervals} of all bounds"
     if count == len(plan.critical.design.samples):
-        return f"{count} samples, the maximum by default: some bounds have no 95 % interval"
+        return f"{count} samples, the maximum by default: too few for {intervals} of all bounds"
     if seconds > _MAX_SECONDS:
-        return f"{count} samples within 10 min, too few for 95 % intervals of all bounds"
+        minutes = f"{_MAX_SECONDS / 60.0:.0f} min"
+        return f"{count} samples within {minutes}, too few for {intervals} of all bounds"
     return ""
 
 
@@ -576,7 +579,7 @@ def _describe_allowable(allowable: Estimate) -> str:
     value, low, high = (
         beyond.get(slip, f"{100.0 * slip:.4g} %") for slip in attrs.astuple(allowable)
     )
-    return f"allowable slip {value}, 95 %: {low} to {high}"
+    return f"allowable slip {value}, {100.0 * CONFIDENCE:.0f} %: {low} to {high}"
 
 
 # Estimates from the samples ------------------------------------------------------------------------------------------

@@ -28,9 +28,9 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 7. At a smooth maximum, find the vertex of the polynomial through the five samples around the largest one, evaluate it
    there, and repeat this with the new sample, up to nine samples. At the end of a motion, take the last sample.
 8. Repeat step 7 with four times as many positions of the orbit, the *finer* ones; those of the search are *coarse*.
-   The stated error is the change, undivided, plus the error of the interpolation: Richardson extrapolation would
-   divide the change, but errors decrease irregularly with the number of positions. A maximum that finer positions do
-   not have is dropped.
+   The stated error is the change, undivided, plus the largest error of interpolation and discretisation: Richardson
+   extrapolation would divide the change, but errors decrease irregularly with the number of positions. A maximum that
+   finer positions do not have is dropped.
 9. Find the slip to which the cage jumps: the next one with as much torque as the maximum, both on coarse positions.
 10. Skidding starts at the first jump which leads to a slip above `SKIDDING_SLIP`, or after which no slip carries the
     drag. A jump that starts above `SKIDDING_SLIP` counts only if it at least doubles the slip.
@@ -73,9 +73,10 @@ class SearchTolerances:
     """Numbers that control the search for the loading branch.
 
     Effects of half and twice a value were measured on 79 random bearings of tests/support/loading_branch_scenes.py,
-    with 45 jumps. Their largest torques have a stated error of 0.14 % in the median and 6.5 % at most. "No effect"
-    means that no slip, torque or jump changes, and "within the errors" that torques change by less than their error.
-    Each value has a test in tests/motion/test_loading_branch.py which fails with half or twice of it.
+    with 45 jumps, if no other set is named. Their largest torques have a stated error of 0.14 % in the median and
+    6.5 % at most. "No effect" means that no slip, torque or jump of these changes, and "within the errors" that
+    torques change by less than their error. Each value has a test in tests/motion/test_loading_branch.py which fails
+    with half or twice of it, most with a constructed torque.
     """
 
     #: Smallest cage slip of the grid. Half and twice the value change largest torques by up to 1.3e-3, within the
@@ -84,14 +85,16 @@ class SearchTolerances:
     #: Largest step of the grid in logit(S). Twice the value saves 35 % of the evaluations but misses a jump, and
     #: changes a torque by 2.5 %; half the value costs 75 % more and changes torques within the errors.
     grid_step: float = 0.25
-    #: Width in logit(S) to which a gap at the end of a motion is bisected, nine times from a step of the grid. Half
-    #: and twice the value change largest torques by up to 4e-5 and 8e-5; chosen, below `equal_drag`, because a
-    #: torque in proportion to the slip rises in a gap by the width, relative to itself.
-    gap_width: float = 0.25 / 512.0  # grid_step / 512: change both together
-    #: Relative difference up to which torques count as equal, so that no interval is bisected for less. With twice the
-    #: value the search passes over a step of the torque in one bearing: its largest torque changes by 4.6 %, and the
-    #: stated error of that from 1.3 % to 13 %. Half the value costs 1 % and changes torques by up to 2e-4,
-    #: in one of 80 other bearings by 9e-4, within its stated error of 0.8 %.
+    #: Width in logit(S) at which bisections end: `grid_step` / 512, after nine of them. It is also the distance within
+    #: which a slip is at the end of the branch. Half and twice the value change largest torques by up to 4e-5 and 8e-5;
+    #: chosen, below `equal_drag`, because a torque in proportion to the slip rises in a gap by the width, relative to
+    #: itself.
+    gap_width: float = 0.25 / 512.0
+    #: Relative difference up to which torques count as equal, so that no interval is bisected for less. The first
+    #: samples of a maximum on finer positions are where the torque has fallen by as much. With twice the value the
+    #: search passes over a step of the torque in one bearing: its largest torque changes by 4.6 %, and the stated error
+    #: of that from 1.3 % to 13 %. Half the value costs 1 % and changes torques by up to 2e-4, in one of 80 other
+    #: bearings by 9e-4, within its stated error of 0.8 %.
     equal_drag: float = 1e-3
     #: Safety factor on the second derivative, taken from samples, that bounds the torque in an interval: between them
     #: it may be larger. Half the value passes over the same step as twice `equal_drag`, twice the value costs 1 % and
@@ -111,8 +114,8 @@ class SearchTolerances:
     #: twice the value change torques by up to 2e-6; chosen, far below the errors.
     vertex: float = 1e-6
     #: Largest number of samples of a vertex, and number in a pass on finer positions at the end of a motion. Half as
-    #: many leave 4e-4 of the torque, twice as many cost up to 18 % and change it by up to 3e-5; chosen: the polynomial
-    #: of a vertex has five samples, four more correct it.
+    #: many leave an error of the torque of 4e-4, twice as many cost up to 18 % and change it by up to 3e-5; chosen: the
+    #: polynomial of a vertex has five samples, four more correct it.
     n_samples: int = 9
     #: Ratio of finer to coarse positions of the orbit. Two instead of four change largest torques by up to 0.5 %,
     #: in four bearings by more than the errors, and the cost of finer positions is proportional; eight change them
@@ -121,7 +124,8 @@ class SearchTolerances:
     #: Loads of a Gauss rule that stand for the slices of a roller: in the search, on finer positions, and in the table
     #: of friction of rollers with play. In 18 of 40 random bearings that have jumps, four instead of eight change a
     #: torque by up to 3.7e-3 in 0.8 of the time, and slips with play by up to 1.3 %; sixteen by up to 2.6e-4 in 1.3
-    #: times the time. Chosen, so that the change is below the stated error, 4.5e-4 in the median.
+    #: times the time. Chosen, so that the change by twice as many is below the stated error of these bearings, 4.5e-4
+    #: in the median.
     n_loads: int = 8
     #: Largest half width in logit(S) of the samples on finer positions. Half the value changes torques by up to
     #: 4e-6, twice the value by 4e-8; chosen, below half a step of the grid.
@@ -144,10 +148,11 @@ class SearchTolerances:
     #: Ratio of slips up to which it is looked for there. Half and twice the value have no effect; chosen, about a
     #: step of the grid.
     outside_factor: float = 1.25
-    #: Smallest size of a slip that differs from 0: the first negative slip of a cage that is driven, and the slip in
-    #: place of that of a cage which rolls or is driven, where a search with play begins or a band takes its logarithm.
-    #: Half and twice the value move bounds below 0.1 %, which are printed without a number, and no slip with play of
-    #: gearbox from 1 to 30 kN by more than 1e-4; chosen, so that five decades of slips are reached by doubling.
+    #: Smallest size of a slip that differs from 0. The search for negative slips of a cage that is driven begins with
+    #: it. For a cage that rolls or is driven it stands in place of the slip where a search with play begins, and where
+    #: a band takes a logarithm. Half and twice the value move bounds below a slip of 0.1 %, which are printed without a
+    #: number, and change slips with play of gearbox from 1 to 30 kN by less than 1e-4 of them; chosen, so that five
+    #: decades of slips are reached by doubling.
     slip_floor: float = 1e-5
     #: Step of a slip, relative to it, by which the excess torque is differentiated. The error of the slope was
     #: smallest with this value: 5e-9 in 90 % of 45 steady motions, 1e-8 with half (rounding), 2e-8 with twice
@@ -183,7 +188,9 @@ class Jump:
     def is_skidding(self) -> bool:
         """Whether the cage skids after the jump: by its slip there, or because nothing carries the drag."""
         ratio = SKIDDING_RATIO if self.slip > SKIDDING_SLIP else 1.0
-        return not self.slip_after < ratio * max(self.slip, SKIDDING_SLIP)
+        if math.isnan(self.slip_after):
+            return True
+        return self.slip_after >= ratio * max(self.slip, SKIDDING_SLIP)
 
 
 @attrs.frozen
@@ -704,11 +711,15 @@ def _find_fall(branch: list[Motion], k: int, maximum: _Maximum, level: float, st
     """
     logit = maximum.logit
     root = 0.0
+    # the first sample on this side of the maximum, which lies between samples
     first = k if (branch[k].logit_slip - maximum.logit) * step > 0.0 else k + step
     for j in range(first, len(branch) if step > 0 else -1, step):
         next_root = math.sqrt(max(1.0 - branch[j].torque / maximum.torque, 0.0))
         if next_root > level:
-            if j == k or branch[max(j, j - step)].is_continuous:
+            right = max(
+                j, j - step
+            )  # the right end of the interval stores whether the motion goes on in it
+            if j == k or branch[right].is_continuous:
                 logit += (level - root) / (next_root - root) * (branch[j].logit_slip - logit)
             break
         logit = branch[j].logit_slip
@@ -717,7 +728,10 @@ def _find_fall(branch: list[Motion], k: int, maximum: _Maximum, level: float, st
 
 
 def _estimate_rise_in_gap(branch: list[Motion], k: int) -> float:
-    """By how much the torque may rise in the gap at the end of a motion [N m], by the slope on its other side."""
+    """By how much the torque may rise in the gap at the end of a motion [N m], by the slope on its other side.
+
+    Without one it rises in proportion to the slip, so that its slope over the logit is the torque itself.
+    """
     sides = list(itertools.pairwise(branch))[max(k - 1, 0) : k + 1]
     gaps = [b.logit_slip - a.logit_slip for a, b in sides if not b.is_continuous]
     slopes = [

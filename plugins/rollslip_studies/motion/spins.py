@@ -6,8 +6,8 @@ between the two that rollers reach from rolling on the outer ring and from rolli
 agree, the motion is unique.
 
 1. March two rollers round the orbit by implicit Euler, one from rolling on either ring, until their roller slips
-   repeat after an orbit (or eight orbits have passed). At each position take the first balance of torques in the
-   sense of the torque. Loads of the slices are replaced by a Gauss rule of four.
+   repeat after an orbit (or `_EULER_ORBITS` have passed). At each position go from the slip of the previous one where
+   the torque pushes it, to the nearest balance. A Gauss rule of `_MARCH_LOADS` stands for the slices.
 2. From each result, solve the equation with backward differences of second order (BDF2) on all slices by Newton's
    method. Both methods are L-stable, as heavily loaded rollers require: these follow their balance within less than
    the distance of two positions (Hairer and Wanner, sections IV.3 and V.1).
@@ -17,8 +17,9 @@ agree, the motion is unique.
 4. Where Newton's method fails, march by BDF2. Where that does not repeat, take the result of implicit Euler, with its
    discretisation error. Either counts only if it is stable.
 
-An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi <dG/dS_r>/(J w_re |w_c|)). The motion
-is stable if that is below 1 (Seydel, chapter 7).
+An orbit multiplies a disturbance of the spin by Floquet's multiplier, exp(-2 pi <dG/dS_r>/(J w_re |w_c|)), with the
+mean <> over the orbit, the torque G that brakes the spin, the moment of inertia J of a roller, its speed w_re of
+rolling and the speed w_c of the cage. The motion is stable if that is below 1 (Seydel, chapter 7).
 
 - With rolling resistance, or friction in the pockets, rollers slip even if the cage does not. Then rolling on one ring
   is not a bound on that side: the march starts where no position of the orbit increases the roller slip.
@@ -65,7 +66,7 @@ CompiledCurve: TypeAlias = tuple[Array, tuple[float, float], float, Array, Array
 
 #: Lower bound of the entrainment speed in the film [m/s], u_film = sqrt(u^2 + MIN_FILM_SPEED^2). Half and
 #: twice the value change largest torques of 62 random bearings by up to 0.8 % and 2.5 %, because the film is
-#: thicker where a contact hardly rolls. Chosen, so that the film does not vanish there.
+#: thicker where a contact hardly rolls. A film needs a value; chosen, a thousandth of usual speeds of rolling.
 MIN_FILM_SPEED: Final = 1e-3
 #: Load-weighted L1 distance of normalised roller slips from which on two motions are different ones. Neither half nor
 #: twice the value changes a result of 55 random bearings; chosen, 2 % of the distance from rolling on one ring to
@@ -80,9 +81,9 @@ CONTINUES: Final = 0.15
 
 # The search for periodic motions.
 
-#: Loads of a Gauss rule which stand for the slices of a roller that is marched. Two instead of four change the
-#: largest torques of 55 random bearings by up to 1.1 %, eight by less than 1e-7; chosen, because it starts
-#: Newton's method only.
+#: Loads of a Gauss rule which stand for the slices of a roller that is marched. Newton's method starts from the march,
+#: on all slices. From a poor start it finds another motion: two instead of four change the largest torques of 55 random
+#: bearings by up to 1.1 %, eight by less than 1e-7; chosen.
 _MARCH_LOADS: Final = 4
 #: Maximum number of orbits by implicit Euler. Four instead of eight change torques of 55 random bearings by up to 5e-7,
 #: sixteen by less than 1e-11; chosen.
@@ -90,25 +91,26 @@ _EULER_ORBITS: Final = 8
 #: Maximum number of orbits by differences of second order, where Newton's method failed. Neither half nor twice as many
 #: change a result of 55 random bearings; chosen, three times `_EULER_ORBITS`.
 _SECOND_ORDER_ORBITS: Final = 24
-#: Tolerance of the balance at a position, relative to the difference of roller slips of rolling on either ring.
+#: Tolerance of the balance at a position, relative to the difference of roller slips of rolling on either ring; also of
+#: the moments of neighbours, relative to the largest, since they follow from these balances.
 #: Half and twice the value change torques of 55 random bearings by up to 2.6e-3, within their stated errors;
 #: chosen, below the discretisation error, because Newton's method refines the result.
 _BALANCE_TOLERANCE: Final = 1e-5
 #: Step of Newton's method, relative to the largest roller slip, at which a periodic motion is accepted, and tolerance
-#: of the balances in marches of second order: the step by which torques are differentiated, since slopes say nothing of
-#: smaller ones. Half the value makes it fail near rounding; twice the value changes torques by less than 2e-7, because
-#: the convergence is quadratic.
+#: of the balances in marches of second order: the step by which torques are differentiated (1e-7), since slopes say
+#: nothing of smaller ones. With half the value it fails in some bearings near rounding; twice the value changes torques
+#: by less than 2e-7, because the convergence is quadratic.
 _NEWTON_TOLERANCE: Final = DIFFERENTIATION_STEP
 #: Tolerance of the balance of rollers without inertia, where nothing refines the result: near its rounding, as a step
 #: of Newton's method would leave it. A hundred times the value moves torques by up to 4e-9.
 _BALANCE_WITHOUT_INERTIA: Final = _NEWTON_TOLERANCE**2
-#: What a march of second order would still change, relative to the width of its search, up to which it counts as
+#: Largest change by an orbit, relative to the width of the search, with which a march of second order counts as
 #: periodic after `_SECOND_ORDER_ORBITS`, although it has not ended at `_NEWTON_TOLERANCE`. Neither half nor twice the
 #: value changes a result of 62 random bearings; chosen, far below the discretisation error.
 _SECOND_ORDER_TOLERANCE: Final = 100.0 * _NEWTON_TOLERANCE
-#: What a march by implicit Euler would still change, extrapolated and relative as `_BALANCE_TOLERANCE`, at which it
-#: ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to 1e-10; chosen,
-#: below `DISTINCT`.
+#: Largest change by all further orbits, extrapolated and relative as `_BALANCE_TOLERANCE`, with which a march by
+#: implicit Euler ends and counts as periodic. Half and twice the value change torques of 36 random bearings by up to
+#: 1e-10; chosen, below `DISTINCT`.
 _PERIODIC_TOLERANCE: Final = 1e-3
 #: Relative discretisation error of implicit Euler, or of the moments of neighbours, up to which a motion counts as
 #: converged. Neither half nor twice the value changes a result of 62 random bearings, nor ten times the value one of
@@ -123,17 +125,18 @@ _MIN_SLIP_SCALE: Final = 1e-12
 #: Width of the first search, in roller slips, for the slip of rollers on a cage that does not slip. Half, twice and
 #: ten times the value change torques by rounding; chosen, near the slips of rollers with rolling resistance.
 _IDLE_WIDTH: Final = 1e-3
-#: Status of the compiled search where torques balance nowhere between the bounds. A ring is that whose law has no
-#: value, and no status is success.
+#: Status of the compiled search where torques balance nowhere between the bounds. The other statuses are empty where a
+#: balance was found, and "inner" or "outer" for the ring whose law has no value. A march of second order that is lost
+#: falls back on that of first order.
 _NO_BALANCE: Final = "lost"
 #: Largest upper start of a march, as a roller slip. Half and twice the value change no result of 55 random bearings,
-#: and an eighth of it none of 46; chosen, so that the doubling search for it ends.
+#: and an eighth of it none of 46; chosen, so that the doubling search for it ends. There the march starts.
 _MAX_START: Final = 64.0
 
 # The fixed-point iteration of the moments by which neighbours brake rollers.
 
-#: Maximum number of iterations. Doubling it changes nothing, halving it torques by up to 1.3e-5; chosen, five
-#: times the median.
+#: Maximum number of iterations, after which the range of the last torques is the error. Doubling it changes nothing,
+#: halving it torques by up to 1.3e-5; chosen, five times the median.
 _MAX_MOMENT_ITERATIONS: Final = 40
 #: Number of steps that do not decrease after which the spin counts as alternating between balances, so that the
 #: iteration ends, and number of iterations whose range of torques is then the error. Half and twice as many change
@@ -500,8 +503,8 @@ class Motions:
         starts = self._rolling_slips(slips)
         if not self.resists:
             return starts
-        # clearly outside: neither half nor twice of either number changes torques of 62 random bearings by more than
-        # 2e-14; more than the largest idle slip, because rollers slip more with a cage slip
+        # a first step outwards, which is doubled while it is too small: neither half nor twice of either number changes
+        # torques of 62 random bearings by more than 2e-14
         step = 0.25 * (starts[:, 1] - starts[:, 0]) + 1.25 * self._max_idle_slip
         starts[:, 1] += step
         while True:

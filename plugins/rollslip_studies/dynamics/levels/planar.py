@@ -47,24 +47,30 @@ from rollslip_studies.dynamics.levels.raceway_friction import (
 from rollslip_studies.motion.effective_table import table_records
 
 #: Factor from the typical deflection of a contact to the typical magnitude of radial motion of rollers, to which their
-#: tolerances are relative. With 1 there are 1.6 to 1.9 times as many steps; see `_scale` for the measurement.
+#: tolerances, and those of the shapes of rings, are relative. With 1 there are 1.6 to 1.9 times as many steps; see
+#: `_scale` for the measurement.
 _SWING_FACTOR: Final = 30.0
-#: Number of cells of the table of rolling resistance over sqrt(Q), over which it is nearly linear. Chosen.
+#: Number of cells of the table of rolling resistance over sqrt(Q), over which it is nearly linear. With half as many
+#: the error of interpolation is four times as large. Chosen.
 _RESISTANCE_CELLS: Final = 64
 #: Largest force of tables of flexible rings, relative to the largest force at rest. Beyond it forces come from the
 #: slices. Chosen: a margin for the motion.
 _REST_FORCE_FACTOR: Final = 2.0
 #: Error of the table of forces, relative to a force or to a light one. Sixteen times as much halves the cells, since
-#: the error is of fourth order. Chosen: below the usual tolerances of an integrator.
+#: the error is of fourth order away from kinks. Chosen: forces are better known than the deflection law that gives
+#: them.
 _FORCE_ERROR = 3e-5
-#: Lower bound of the force that this error is relative to, over the usual force of a roller. Chosen.
+#: Lower bound of the force that this error is relative to, over the usual force of a roller. Halved, the cells beside
+#: first contact, where a force rises from zero, decide their number. Chosen.
 _LIGHT_FORCE = 1e-2
-#: Number of cells of a table of forces at first; it is doubled until the error is small. Chosen.
+#: Number of cells of a table of forces at first; it is doubled until the error is small. Chosen; doubled, a table that
+#: needs no more takes twice the time.
 _FIRST_CELLS = 512
-#: Maximum number of cells of a table of forces: 2 MB. More are needed only where a law or profile has a jump.
+#: Maximum number of cells of a table of forces: 2 MB. More are needed only where a law or profile has a jump; doubled,
+#: it takes twice as long until forces come from the slices instead.
 _MAX_CELLS = 65536
-#: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force. Chosen: any
-#: contact is between 1 nm and 1 mm.
+#: Approaches of a roller and a raceway [m] at which their force is evaluated to find that of a given force, a hundred a
+#: decade. Chosen: any contact is between 1 nm and 1 mm.
 _APPROACHES: Final = np.geomspace(1e-9, 1e-3, 601)
 
 #: Unknowns of the head, of each roller and of the ledger, in order -> their unit.
