@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import open_result, validate
+from rollslip import evolve, load_scene, open_result, validate
 from rollslip.catalogue.registry import get_model
 from rollslip.cli.main import main
 from rollslip.errors import DomainError, PluginError, SceneError
@@ -16,7 +16,8 @@ from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.structure import FrozenTable
 from rollslip_campaigns.measurement.values import Row, Series, Statement, Step
-from rollslip_campaigns.validation import ValidationSettings
+from rollslip_campaigns.sweep.sweep import resolution_at
+from rollslip_campaigns.validation import ValidationSettings, observables
 from rollslip_campaigns.validation import validate as way
 from rollslip_campaigns.validation.observables import observe
 from rollslip_campaigns.validation.predictions import form, read_predictions
@@ -226,6 +227,23 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
         observe(series.scene, "effective-friction/skidding_slipp", {}, [{}])
     with pytest.raises(SceneError, match="has 2 values along ring"):
         observe(series.scene, "critical-slip", {}, [{}])
+
+
+def test_many_points_have_the_resolution_of_a_plan_of_the_first_one(monkeypatch):
+    scene = evolve(load_scene("1032930-70C"), {"study.steady-slip.pockets": "set"})
+    points = [{"operation.radial_load": load} for load in (1000.0, 1100.0)]
+    alone = [value.value for value in observe(scene, "steady-slip/drag_reserve", {}, points)]
+    planned = []
+
+    def plan_of(scene, study, changes):
+        planned.append(changes)
+        return resolution_at(scene, study, changes)
+
+    monkeypatch.setattr(observables, "_PLANNED_FROM", 2)
+    monkeypatch.setattr(observables, "resolution_at", plan_of)
+    together = [value.value for value in observe(scene, "steady-slip/drag_reserve", {}, points)]
+    assert planned == points[:1]
+    assert together == pytest.approx(alone, rel=scene.accuracy.tolerance)
 
 
 def test_a_film_is_held_against_one_at_the_same_place_alone():

@@ -66,6 +66,7 @@ __all__ = [
     "assemble_varied",
     "open_sweep",
     "plan_sweep",
+    "resolution_at",
     "store_sweep",
     "study_with_outputs",
     "sweep_of_design",
@@ -547,14 +548,14 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
         chosen = [
             resolution
             for changes in (values, *map(design.changes, _distant_points(design, numbers)))
-            if (resolution := _resolution_at(scene, study, changes)) is not None
+            if (resolution := resolution_at(scene, study, changes)) is not None
         ]
         if chosen:
             resolutions[combination_name(list(values.values()))] = Resolution.maximum_of(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
 
 
-def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
+def resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
     """Resolution of the plan of a point, None if the plan fails; the point itself then ends with the reason."""
     try:
         changed_scene = evolve(scene, changes, si=True)
