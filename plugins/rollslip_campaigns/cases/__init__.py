@@ -28,7 +28,8 @@ class CaseSettings(OfPoints):
     xarray.Dataset
         (case,): slip, drag_reserve, minimum_load, friction_torque, film_parameter, viscosity_ratio, heat, each with a
         status in words; verdict by these values, without bands; time_fraction; status, message and seconds; what the
-        table varies, as coordinates.
+        table varies, as coordinates. With ``interpolate`` also method, "computed" or "interpolated", and the largest
+        relative error at cases drawn at random as attribute interpolation_error.
 
     Raises
     ------
@@ -62,6 +63,11 @@ class CaseSettings(OfPoints):
         value_type=Path,
         metavar="FILE",
         details="Or a pandas.DataFrame; see `rollslip.run`.",
+    )
+
+    interpolate: Any = setting(
+        "Interpolate cases where values are known to this error, such as '5 %'; by default all are computed.",
+        metavar="ERROR",
     )
 
     def plan(self) -> "CasePlan":

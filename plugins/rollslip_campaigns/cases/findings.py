@@ -49,7 +49,10 @@ class CasesAccount(Account):
                 ]
             ),
             faults=faults,
-            assumed=("verdicts are by the values alone, without bands: a run of a case has them",),
+            assumed=(
+                *_describe_interpolation(dataset),
+                "verdicts are by the values alone, without bands: a run of a case has them",
+            ),
             next=(_run_of(dataset, worst[0]),),
             **answer_table(_table(shown), range(shown.sizes["case"]))
             | {"omitted": dataset.sizes["case"] - shown.sizes["case"]},
@@ -62,6 +65,7 @@ class CasesAccount(Account):
             "time": [_describe_time(dataset)],
             "worst case": [_describe_worst(dataset)],
             "means": _means(dataset),
+            "interpolation": _describe_interpolation(dataset),
             "rating life": _describe_life(dataset),
         }
         return {name: lines for name, lines in topics.items() if lines}
@@ -124,6 +128,17 @@ def _describe_life(dataset: "xr.Dataset") -> list[str]:
     """Return the life of the spectrum in words; nothing for an older result."""
     life = life_of_spectrum(dataset)
     return [f"rating life {format_hours(life)} by ISO 281"] * (not np.isnan(life))
+
+
+def _describe_interpolation(dataset: "xr.Dataset") -> list[str]:
+    """Return how many cases are interpolated and how exactly, in words; nothing where all are computed."""
+    if not (count := int(dataset.attrs.get("interpolated_cases", 0))):
+        return []
+    error = percent(float(dataset.attrs["interpolation_error"]))
+    checked = dataset.attrs["checked_cases"]
+    return [
+        f"{count} of {dataset.sizes['case']} cases are interpolated: {checked} drawn at random are off by up to {error}"
+    ]
 
 
 def _describe_time(dataset: "xr.Dataset") -> str:
