@@ -12,8 +12,9 @@ from typing import Any
 import attrs
 import pytest
 
-from rollslip.errors import SceneError, nearest
+from rollslip.errors import SceneError, UnknownNameError, nearest
 from rollslip.fields import FieldError
+from rollslip.planning.plan import plan
 from rollslip.scene import Bearing, ModelChoice, Operation, Profile, Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene, parse_scene, shipped_scenes
@@ -369,7 +370,7 @@ def test_names_that_are_looked_up_later_are_told_with_the_faults_of_values() -> 
     found = [problem.split("; ")[0].partition(": ")[2] for problem in problems_of(text)]
     wrong = (
         ("models.film", "film", "mos"),
-        ("models.torque", "torque", "ksf"),
+        ("models.torque[1]", "torque", "ksf"),
         ("study.dynamic", "study", "dynamic"),
     )
     assert found[2:] == [f"{key}: no {kind} is called {name!r}" for key, kind, name in wrong]
@@ -488,3 +489,12 @@ def test_the_model_of_a_ring_is_looked_for_among_rings(name, said):
         )
     assert "no kind" not in str(error.value)
     assert (f"no ring is called {said}" in str(error.value)) == (said is not None)
+
+
+@pytest.mark.parametrize("key", ["damage", "torque", "loss", "life"])
+def test_an_unknown_name_in_a_list_of_models_is_reported_once(key: str) -> None:
+    scene = evolve(load_scene("gearbox"), {f"models.{key}": ["nobodys"]})
+    with pytest.raises(UnknownNameError) as refused:
+        plan(scene)
+    assert str(refused.value).count("nobodys") == 1
+    assert f"models.{key}[0]: no {key} is called 'nobodys'" in str(refused.value)

@@ -43,7 +43,7 @@ from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, 
 from rollslip.rings import Rings
 from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
-from rollslip.scene.values import LubricantTable, ModelChoice, Scene
+from rollslip.scene.values import LISTS_OF_MODELS, LubricantTable, ModelChoice, Scene
 from rollslip.structure import Location, T, raise_problems
 from rollslip.units import GRAVITY, format_quantity
 from rollslip_kernels.slices import Conditions, Slices
@@ -533,7 +533,7 @@ def _structure_models(
     # models of studies are constructed here for their faults only
     if choices.thermal is not None:
         constructed("thermal", choices.thermal, named.at("thermal"))
-    for kind in ("damage", "torque", "loss", "life"):
+    for kind in LISTS_OF_MODELS:
         for k, choice in enumerate(getattr(choices, kind) or ()):
             constructed(kind, choice, named.at(kind).at(k))
     return models

@@ -11,7 +11,7 @@ import attrs
 from rollslip.datasets import SURFACES
 from rollslip.errors import PluginError, UnknownNameError
 from rollslip.scene.clearance import FOLLOWS, bearing_in_class, set_initial_clearance
-from rollslip.scene.values import Models, model_kind
+from rollslip.scene.values import LISTS_OF_MODELS, Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved
 from rollslip.toml import as_list, as_table
 from rollslip.units import as_written
@@ -163,7 +163,13 @@ def unknown_names(raw: Mapping[str, object], where: Location) -> list[str]:
                 wanted.append(("study", at.at(key), key, ""))
             elif key in _KINDS:
                 wanted += [
-                    (model_kind(key), at.at(key), choice, "model") for choice in as_list(given)
+                    (
+                        model_kind(key),
+                        at.at(key).at(k) if key in LISTS_OF_MODELS else at.at(key),
+                        choice,
+                        "model",
+                    )
+                    for k, choice in enumerate(as_list(given))
                 ]
     problems = []
     for kind, location, named, key in wanted:

@@ -208,6 +208,8 @@ def model_kind(key: str) -> str:
     return "ring" if key in ("inner_ring", "outer_ring") else key
 
 
+#: Keys of `Models` that name several models of a kind.
+LISTS_OF_MODELS: Final = ("damage", "torque", "loss", "life")
 #: Values of ``models.approach``: a contact carries load through its film, or where the dry bodies touch.
 APPROACHES: Final = ("film", "dry")
 
