@@ -487,6 +487,11 @@ class Bearing:
         # rounded to a picometre, because the subtraction has rounding errors; the sum makes -0.0 to 0.0
         return round(gap, 12) + 0.0
 
+    @property
+    def carries_axial_load(self) -> bool:
+        """Whether the bearing has what carries an axial load."""
+        return False
+
     def material_of(self, ring: str) -> Material:
         """Return the material of the "inner" or "outer" raceway, by default that of the bearing."""
         raceway: Raceway | None = getattr(self, f"{ring}_raceway")

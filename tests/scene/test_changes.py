@@ -149,7 +149,12 @@ def test_what_is_no_key_is_reported(key: str) -> None:
         (
             "operation.axial_load",
             "1 N",
-            "operation.axial_load: axial loads, which ribs carry, are not modelled; leave",
+            "operation.axial_load: nothing in this bearing carries 1 N along its axis: types NU, N, RNU",
+        ),
+        (
+            "operation.thrust_load",
+            "1 N",
+            "operation.thrust_load: unknown key, write axial_load",
         ),
         (
             "operation.radial_load",

@@ -18,7 +18,7 @@ from rollslip.errors import PluginError, SceneError, UnknownNameError, describe_
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import with_operating_clearance
 from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
-from rollslip.scene.relations import impossible_relations
+from rollslip.scene.relations import impossible_relations, unsupported_axial_load
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure, thawed
 from rollslip.toml import KeyPath, has_null, parse
@@ -184,6 +184,7 @@ def checked_scene(
             scene, bearing=with_operating_clearance(scene, complete, Location(origins), problems)
         )
         problems += impossible_relations(scene, complete, Location(origins))
+        problems += unsupported_axial_load(scene, Location(origins))
     if scene is None or problems:
         raise SceneError([*problems, *unknown_names(raw, Location(origins))])
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)

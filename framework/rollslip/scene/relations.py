@@ -26,6 +26,7 @@ __all__ = [
     "impossible_pressure",
     "impossible_relations",
     "skf_minimum_load",
+    "unsupported_axial_load",
 ]
 
 Scene: TypeAlias = Any
@@ -442,3 +443,23 @@ def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Locatio
         for relation in RELATIONS
         if (text := relation.describe_violation(scene, raw, "possible"))
     ]
+
+
+def unsupported_axial_load(scene: Scene, where: Location) -> list[str]:
+    """Return a message where the bearing has nothing that carries the axial load of the scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    where : Location
+        Location of the scene, for messages.
+    """
+    if not scene.operation.axial_load or scene.bearing.carries_axial_load:
+        return []
+    load = format_quantity(scene.operation.axial_load, "N")
+    text = (
+        f"nothing in this bearing carries {load} along its axis: types NU, N, RNU and needle roller bearings have no "
+        "ribs on opposite sides of both rings; leave it out, or set it to 0"
+    )
+    return [where.at("operation").at("axial_load").message(text)]

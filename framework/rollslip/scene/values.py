@@ -107,14 +107,21 @@ class Operation:
     """The operating condition of the bearing: speeds, load, temperatures and misalignment."""
 
     advice: ClassVar[Mapping[str, str]] = dict.fromkeys(  # on keys that others have
-        ("axial_load", "axial_force", "thrust_load"),
-        "axial loads, which ribs carry, are not modelled; leave it out",
+        ("axial_force", "thrust_load"), "unknown key, write axial_load"
     )
 
     inner_speed: float = _speed("inner")
     outer_speed: float = _speed("outer", 0.0)
     radial_load: float = field(
         unit="N", doc="radial load", validator=non_negative, usual=(0, 1e7), possible=(0, 1e9)
+    )
+    axial_load: float | None = field(
+        default=None,
+        unit="N",
+        doc="axial load on the inner ring, towards what carries it; by default none",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0, 1e7),
+        possible=(0, 1e9),
     )
     temperature: float = _temperature("all parts that have none of their own", attrs.NOTHING)
     inner_ring_temperature: float = _temperature("the inner ring")
