@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain
 from rollslip.errors import ConvergenceError
-from rollslip.profile import slice_positions
+from rollslip.bearing.profile import slice_positions
 from rollslip.rings import Rings
 from rollslip_kernels import equilibrium as kernels
 from rollslip_kernels.slices import Conditions, Slices
