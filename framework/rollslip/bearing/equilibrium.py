@@ -31,8 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain
-from rollslip.errors import ConvergenceError
 from rollslip.bearing.profile import slice_positions
+from rollslip.errors import ConvergenceError
 from rollslip.rings import Rings
 from rollslip_kernels import equilibrium as kernels
 from rollslip_kernels.slices import Conditions, Slices
@@ -49,8 +49,8 @@ _MAX_RESIDUAL = 1e-10
 _LOADED_FRACTION = 0.02
 #: Arrays of a `LoadDistribution`, other than psi, whose first axis is that of the roller positions.
 _BY_POSITION = (
-    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "roller_shift",
-    "roller_tilt", "moment",
+    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "deflection", "axial_displacement",
+    "roller_shift", "roller_tilt", "moment",
 )  # fmt: skip
 _REMEDY = (
     "check operation.radial_load, operation.misalignment, operation.inner_speed and bearing.radial_clearance: rollers "
@@ -137,6 +137,10 @@ class LoadCase:
     rings: Rings | None = None
     #: Force on each roller in a fixed direction, along the line of load and across it [N].
     body_force: tuple[float, float] = (0.0, 0.0)
+    #: Contact angle of tapered rollers, that of the outer raceway [rad]; None for cylindrical ones.
+    contact_angle: float | None = None
+    #: Axial load F_a on the inner ring of tapered rollers [N].
+    axial_load: float = 0.0
 
     def __attrs_post_init__(self) -> None:
         if self.psi.ndim != 2 or self.psi.size == 0 or not np.all(np.isfinite(self.psi)):
@@ -163,6 +167,8 @@ class LoadCase:
                 f"position and widths must be of the shape of drop, {self.drop.shape}, not {self.position.shape} and "
                 f"{self.widths.shape}"
             )
+        if self.contact_angle is not None and (self.misalignment != 0.0 or self.rings is not None):
+            raise ValueError("tapered rollers have rigid round rings without misalignment here")
         if self.misalignment != 0.0 and self.drop.size == 1:
             raise ValueError(
                 "a misaligned ring loads rollers unevenly along their length: use more than one slice"
@@ -175,11 +181,21 @@ class LoadCase:
 
     @property
     def pull(self) -> Floats | None:
-        """Outward component of the body force of every roller [N], (n_positions, Z); None without such a force."""
+        """Component of the body force of every roller along its contact [N], (n_positions, Z); None without a force."""
         along, across = self.body_force
-        return (
-            along * np.cos(self.psi) + across * np.sin(self.psi) if any(self.body_force) else None
-        )
+        if not any(self.body_force):
+            return None
+        outward: Floats = along * np.cos(self.psi) + across * np.sin(self.psi)
+        return outward if self.contact_angle is None else outward / np.cos(self.contact_angle)
+
+    @property
+    def directions(self) -> Floats:
+        """Movement of the gap of a roller by each unknown of rigid rings, (n_positions, Z, 2), with taper (..., 3)."""
+        radial = np.stack((np.cos(self.psi), np.sin(self.psi)), axis=-1)
+        if self.contact_angle is None:
+            return radial
+        along = np.full((*self.psi.shape, 1), np.sin(self.contact_angle))
+        return np.concatenate((np.cos(self.contact_angle) * radial, along), axis=-1)
 
 
 @attrs.frozen(eq=False)
@@ -203,6 +219,8 @@ class LoadDistribution:
     displacement: Floats
     #: Amplitudes of the shapes of flexible rings, those of the inner ring first [m], (n_positions, m).
     deflection: Floats
+    #: Displacement of the inner ring along its axis [m], (n_positions,); zero with cylindrical rollers.
+    axial_displacement: Floats
     #: Radial shift of the roller [m], (n_positions, Z); 0 where a straight roller touches the undeformed outer ring
     #: without load. It is not unique for a roller that is free between the rings.
     roller_shift: Floats
@@ -241,6 +259,14 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
 
         K_i q_i = sum Q_ij B_i(psi_j) + pushes - stops      K_o q_o = sum Q_oj B_o(psi_j) + pushes - stops
 
+    Tapered rollers of contact angle a, that of the outer raceway, have the same equations along the normal of that
+    contact: their rings move the gap by (dx cos psi_j + dy sin psi_j) cos a + dz sin a, and::
+
+        Q_oj = Q_ij + F_c / cos a      sum Q_ij cos psi_j cos a = F_r      sum Q_oj sin a = F_a
+
+    The rib of a tapered roller carries the axial component of both contacts, which is left out here: forces on the
+    outer ring are within 0.12 % of those of a model with it, those on the inner ring within 0.3 %.
+
     Without radial load and with clearance nothing presses on the inner ring: its loads are zero, and the caller decides
     whether that is an error. The law of the contacts is evaluated for touching contacts only.
 
@@ -276,14 +302,16 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     """
     n_positions, rollers = case.psi.shape
     if (rings := case.rings) is None:
-        shapes = 0
+        # the axial displacement is an unknown of the outer ring: its balance is that of the outer contacts
+        direction = case.directions
+        unknowns = direction.shape[-1]
+        shapes = unknowns - 2
         split = 2
         reach = 0.0
-        direction = np.stack((np.cos(case.psi), np.sin(case.psi)), axis=-1)
         form = np.zeros(case.psi.shape)
-        applied = np.array([case.radial_load, 0.0])
-        ring_stiffness = np.zeros(2)
-        stops = np.zeros((0, 4))
+        applied = np.array([case.radial_load, 0.0, case.axial_load])[:unknowns]
+        ring_stiffness = np.zeros(unknowns)
+        stops = np.zeros((0, unknowns + 2))
     else:
         shapes = rings.parity.size
         split = 2 + rings.inner.stiffness.size
@@ -336,7 +364,9 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         ring_stiffness=ring_stiffness,
         stops=stops,
         outer=split,
-        centrifugal=np.full(n_positions, case.centrifugal_force),
+        centrifugal=np.full(
+            n_positions, case.centrifugal_force / np.cos(case.contact_angle or 0.0)
+        ),
         reach=abs(case.radial_clearance)
         + float(np.ptp(case.drop))
         + case.roller_length * abs(case.misalignment)
@@ -367,6 +397,11 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         )
     inner_load, outer_load = balance["load"]
     inner_force, outer_force = balance["force"]
+    others = balance["ring"][:, 2:].copy()
+    axial = np.zeros(n_positions)
+    if case.contact_angle is not None:
+        axial = others[:, 0]
+        others = others[:, 1:]
     return LoadDistribution(
         psi=case.psi,
         position=case.position,
@@ -375,7 +410,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         inner_force=inner_force,
         outer_force=outer_force,
         displacement=balance["ring"][:, :2].copy(),
-        deflection=balance["ring"][:, 2:].copy(),
+        deflection=others,
+        axial_displacement=axial,
         roller_shift=balance["shift"],
         roller_tilt=balance["tip"] / half_length,
         moment=balance["moment"],

@@ -1,4 +1,8 @@
-"""Kinematics of a cylindrical roller bearing: sliding and rolling speeds of its contacts at given slips."""
+"""Kinematics of a roller bearing: sliding and rolling speeds of its contacts at given slips.
+
+Tapered rollers whose cones have a common apex roll as cylindrical ones of the radii at their middle: the radius of a
+raceway over that of the roller is the same all along it.
+"""
 
 import math
 from functools import cached_property
@@ -10,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
 from rollslip.search import Array
+from rollslip.taper import CYLINDRICAL, ContactAngles
 from rollslip.units import format_quantity
 
 
@@ -31,7 +36,7 @@ _speed = and_(gt(-math.inf), lt(math.inf))
 
 @attrs.frozen
 class Kinematics:
-    """Kinematics of a cylindrical roller bearing whose rings turn at constant speeds.
+    """Kinematics of a cylindrical or tapered roller bearing whose rings turn at constant speeds.
 
     Both contacts roll without sliding at the epicyclic speeds (Harris & Kotzalas)::
 
@@ -58,6 +63,8 @@ class Kinematics:
     roller_radius: float = attrs.field(validator=_length)  #: Roller radius r [m].
     inner_speed: float = attrs.field(validator=_speed)  #: Angular speed of the ring w_i [rad/s].
     outer_speed: float = attrs.field(validator=_speed)  #: Angular speed of the ring w_o [rad/s].
+    #: Angles of tapered rollers, whose radii are those at their middle.
+    angles: ContactAngles = CYLINDRICAL
 
     def __attrs_post_init__(self) -> None:
         if self.outer_radius <= max(self.inner_radius, self.roller_radius):
@@ -92,13 +99,20 @@ class Kinematics:
 
     @cached_property
     def inner_equivalent_radius(self) -> float:
-        """Equivalent radius of roller and inner raceway, 1/R = 1/r + 1/R_i [m]."""
-        return 1.0 / (1.0 / self.roller_radius + 1.0 / self.inner_radius)
+        """Equivalent radius of roller and inner raceway, 1/R = cos(half)/r + cos(inner)/R_i [m]."""
+        roller, inner, _ = self._cosines
+        return 1.0 / (roller / self.roller_radius + inner / self.inner_radius)
 
     @cached_property
     def outer_equivalent_radius(self) -> float:
-        """Equivalent radius of roller and outer raceway, 1/R = 1/r - 1/R_o [m]."""
-        return 1.0 / (1.0 / self.roller_radius - 1.0 / self.outer_radius)
+        """Equivalent radius of roller and outer raceway, 1/R = cos(half)/r - cos(outer)/R_o [m]."""
+        roller, _, outer = self._cosines
+        return 1.0 / (roller / self.roller_radius - outer / self.outer_radius)
+
+    @property
+    def _cosines(self) -> tuple[float, float, float]:
+        """Cosines of the half angle of a roller and of both contact angles: curvatures of cones over those of discs."""
+        return math.cos(self.angles.half), math.cos(self.angles.inner), math.cos(self.angles.outer)
 
     @cached_property
     def orbit_radius(self) -> float:
