@@ -20,6 +20,7 @@ from rollslip.fields import (
     refuse_if,
 )
 from rollslip.references import Citation
+from rollslip.taper import CYLINDRICAL, ContactAngles
 from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
 
@@ -420,7 +421,11 @@ class MountedClearance:
 
 @attrs.frozen(kw_only=True)
 class Bearing:
-    """Geometry and material of a cylindrical roller bearing."""
+    """Geometry and material of a cylindrical roller bearing, or with a contact angle of a tapered one.
+
+    Diameters of a tapered bearing are those at the middle of the rollers. An axial load displaces its rings until the
+    rollers touch, so that it has no clearance.
+    """
 
     rollers: int = field(
         doc="number of rollers", validator=at_least(3), usual=(6, 200), possible=(3, 10e3)
@@ -448,6 +453,31 @@ class Bearing:
         validator=positive,
         usual=(6e-3, 3.5),
         possible=(1e-4, 50),
+    )
+    contact_angle: float | None = field(
+        default=None,
+        unit="rad",
+        doc="contact angle of a tapered roller bearing, that of its outer raceway: e = 1.5 tan(angle) in catalogues",
+        validator=attrs.validators.optional(positive),
+        usual=(0.14, 0.6),
+        possible=(0, 1.2),
+    )
+    stated_pitch_diameter: float | None = field(
+        default=None,
+        key="pitch_diameter",
+        unit="m",
+        doc="pitch diameter of tapered rollers at their middle, in place of both raceway diameters",
+        validator=attrs.validators.optional(positive),
+        usual=(5e-3, 3.2),
+        possible=(1e-4, 50),
+    )
+    roller_half_angle: float | None = field(
+        default=None,
+        unit="rad",
+        doc="angle between axis and surface of a tapered roller; by default that of cones with a common apex",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0.008, 0.1),
+        possible=(0, 0.5),
     )
     radial_clearance: float = field(
         default=attrs.Factory(lambda bearing: bearing.nominal_clearance, takes_self=True),
@@ -482,7 +512,9 @@ class Bearing:
 
     @property
     def nominal_clearance(self) -> float:
-        """Clearance by the diameters [m]."""
+        """Clearance by the diameters [m]; none of tapered rollers."""
+        if self.contact_angle is not None:
+            return 0.0
         gap = self.outer_raceway_diameter - self.inner_raceway_diameter - 2 * self.roller_diameter
         # rounded to a picometre, because the subtraction has rounding errors; the sum makes -0.0 to 0.0
         return round(gap, 12) + 0.0
@@ -490,7 +522,18 @@ class Bearing:
     @property
     def carries_axial_load(self) -> bool:
         """Whether the bearing has what carries an axial load."""
-        return False
+        return self.contact_angle is not None
+
+    @property
+    def angles(self) -> ContactAngles:
+        """Angles of the contacts with both rings and of the rollers; all are zero in a cylindrical bearing."""
+        if self.contact_angle is None:
+            return CYLINDRICAL
+        if self.roller_half_angle is not None:
+            return ContactAngles(self.contact_angle, self.roller_half_angle)
+        return ContactAngles.with_common_apex(
+            self.contact_angle, self.roller_diameter / self.pitch_diameter
+        )
 
     def material_of(self, ring: str) -> Material:
         """Return the material of the "inner" or "outer" raceway, by default that of the bearing."""
@@ -518,11 +561,12 @@ class Bearing:
     def static_rating(self) -> float:
         """Basic static radial load rating C0r [N] of one row of rollers.
 
-        C0r = 44 (1 - D/dm) Z L D after ISO 76, with diameter D and effective length L of a roller and pitch diameter dm
-        in mm. Makers' own values differ by some per cent.
+        C0r = 44 (1 - D cos(a)/dm) Z L D cos(a) after ISO 76, with diameter D and effective length L of a roller and
+        pitch diameter dm in mm, and the contact angle a. Makers' own values differ by some per cent.
         """
-        size = 1e6 * self.roller_length * self.roller_diameter
-        return 44.0 * (1.0 - self.roller_diameter / self.pitch_diameter) * self.rollers * size
+        diameter = self.roller_diameter * math.cos(self.angles.outer)
+        size = 1e6 * self.roller_length * diameter
+        return 44.0 * (1.0 - diameter / self.pitch_diameter) * self.rollers * size
 
     @property
     def width(self) -> float:

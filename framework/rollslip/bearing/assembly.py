@@ -350,6 +350,8 @@ class Assembly:
             widths=self.widths,
             rings=self.rings,
             body_force=self.body_force,
+            contact_angle=b.contact_angle,
+            axial_load=o.axial_load or 0.0,
         )
 
     @cached_property
@@ -466,6 +468,7 @@ def assemble(
         scene.bearing.roller_diameter / 2,
         scene.operation.inner_speed,
         scene.operation.outer_speed,
+        scene.bearing.angles,
     )
     try:
         position, widths, drop = slicing(scene, resolution)

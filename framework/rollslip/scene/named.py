@@ -1,5 +1,7 @@
 """Fill in the values that names in a scene stand for: data of bearings and surfaces, and the cage of a bearing.
 
+Raceways of tapered rollers are filled in by their pitch diameter.
+
 This is done before a scene is checked, because a scene that is read has all values. Plugins are loaded for names only.
 """
 
@@ -13,15 +15,30 @@ from rollslip.errors import PluginError, UnknownNameError
 from rollslip.scene.clearance import FOLLOWS, bearing_in_class, set_initial_clearance
 from rollslip.scene.values import LISTS_OF_MODELS, Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved
+from rollslip.taper import ContactAngles, raceway_diameters
 from rollslip.toml import as_list, as_table
-from rollslip.units import as_written
+from rollslip.units import UnitError, as_written, quantity
 
-__all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_own_cage"]
+__all__ = [
+    "NAMED",
+    "surface_name",
+    "unknown_names",
+    "with_named_data",
+    "with_own_cage",
+    "with_tapered_raceways",
+]
 
 #: Table that may start from named data -> meaning of such a name.
 NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".join(SURFACES)}
 #: Keys of ``[models]`` that name a model of a kind.
 _KINDS: Final = frozenset(key for key, _ in fields_of(Models)) - {"approach", "separator"}
+
+#: Key of the pitch diameter in a table of a bearing.
+_PITCH: Final = "pitch_diameter"
+#: Keys of the diameters that follow from it.
+_RACEWAYS: Final = ("inner_raceway_diameter", "outer_raceway_diameter")
+#: Keys that these follow from -> unit.
+_SOURCES: Final = {_PITCH: "m", "roller_diameter": "m", "contact_angle": "rad"}
 
 
 def with_named_data(
@@ -86,6 +103,39 @@ def surface_name(written: str) -> str:
     raise UnknownNameError(
         f"no surface is called {as_written(written)}; there are: {', '.join(SURFACES)}"
     )
+
+
+def with_tapered_raceways(
+    raw: Mapping[str, object], complete: dict[str, object]
+) -> dict[str, object]:
+    """Return a scene with the raceway diameters of a tapered bearing whose pitch diameter is stated.
+
+    Parameters
+    ----------
+    raw : mapping
+        The scene as it is written.
+    complete : dict
+        The scene with named data. What is wrong with its values is reported when they are read.
+    """
+    own = as_table(raw.get("bearing"))
+    table = complete.get("bearing")
+    if not isinstance(table, Mapping) or _PITCH not in table:
+        return complete
+    if any(key in own for key in _RACEWAYS):
+        others = {key: value for key, value in table.items() if key != _PITCH or key in own}
+        return {**complete, "bearing": others}
+    try:
+        pitch, diameter, angle = (quantity(table[key], unit) for key, unit in _SOURCES.items())
+        half = table.get("roller_half_angle")
+        if not 0.0 < diameter < pitch:
+            return complete
+        angles = ContactAngles.with_common_apex(angle, diameter / pitch)
+        if half is not None:
+            angles = ContactAngles(angle, quantity(half, "rad"))
+    except (KeyError, UnitError):
+        return complete
+    diameters = raceway_diameters(pitch, diameter, angles)
+    return {**complete, "bearing": {**table, **dict(zip(_RACEWAYS, diameters, strict=True))}}
 
 
 def with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:

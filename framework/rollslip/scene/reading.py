@@ -17,8 +17,17 @@ import attrs
 from rollslip.errors import PluginError, SceneError, UnknownNameError, describe_error, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import with_operating_clearance
-from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
-from rollslip.scene.relations import impossible_relations, unsupported_axial_load
+from rollslip.scene.named import (
+    unknown_names,
+    with_named_data,
+    with_own_cage,
+    with_tapered_raceways,
+)
+from rollslip.scene.relations import (
+    impossible_relations,
+    tapered_problems,
+    unsupported_axial_load,
+)
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, Location, structure, thawed
 from rollslip.toml import KeyPath, has_null, parse
@@ -177,7 +186,8 @@ def checked_scene(
         With every fault of the scene.
     """
     problems = [f"{source}: a text has the character U+0000; remove it"] * has_null(raw)
-    complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
+    named = with_tapered_raceways(raw, with_named_data(raw, Location(origins), problems))
+    complete = with_own_cage(raw, named)
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
         scene = attrs.evolve(
@@ -185,6 +195,7 @@ def checked_scene(
         )
         problems += impossible_relations(scene, complete, Location(origins))
         problems += unsupported_axial_load(scene, Location(origins))
+        problems += tapered_problems(scene, Location(origins))
     if scene is None or problems:
         raise SceneError([*problems, *unknown_names(raw, Location(origins))])
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)

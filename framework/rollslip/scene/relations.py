@@ -17,6 +17,7 @@ import attrs
 from rollslip.fields import FieldError, Span, as_given, format_span
 from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
+from rollslip.taper import raceway_diameters
 from rollslip.toml import as_table
 from rollslip.units import GRAVITY, format_quantity, likely, unit_given
 
@@ -25,7 +26,9 @@ __all__ = [
     "Relation",
     "impossible_pressure",
     "impossible_relations",
+    "required_axial_load",
     "skf_minimum_load",
+    "tapered_problems",
     "unsupported_axial_load",
 ]
 
@@ -38,6 +41,9 @@ _STRIBECK: Final = 5.0
 #: Possible pressure [Pa]: at most five times that of the static rating of ISO 76. Doubling the limit would accept loads
 #: in a wrong unit. Chosen.
 _PRESSURE: Final[Span] = (0, 2e10)
+#: Difference of lengths below which two statements of one length agree [m]. Chosen: far below any tolerance, and above
+#: the rounding of seven decimals in metres.
+_LENGTH_ROUNDING: Final = 2e-7
 #: Unit of the speed factor n d_m of catalogues, in which speed limits hardly depend on the size of a bearing.
 _SPEED_FACTOR: Final = "mm/min"
 
@@ -177,10 +183,10 @@ def _pitch(scene: Scene) -> float:
 def _room_left(scene: Scene) -> float:
     """Return the radial play by the diameters minus the stated clearance, over the roller diameter [1].
 
-    NaN where the clearance itself is not plausible.
+    NaN where the clearance itself is not plausible, and for tapered rollers, whose axial place decides.
     """
     b = scene.bearing
-    if abs(b.radial_clearance) > 0.05 * b.roller_diameter:
+    if b.contact_angle is not None or abs(b.radial_clearance) > 0.05 * b.roller_diameter:
         return math.nan
     play: float = b.outer_raceway_diameter - b.inner_raceway_diameter - 2 * b.roller_diameter
     return float((play - b.radial_clearance) / b.roller_diameter)
@@ -463,3 +469,111 @@ def unsupported_axial_load(scene: Scene, where: Location) -> list[str]:
         "ribs on opposite sides of both rings; leave it out, or set it to 0"
     )
     return [where.at("operation").at("axial_load").message(text)]
+
+
+def required_axial_load(scene: Scene) -> float:
+    """Return the axial load without which a tapered bearing has no equilibrium [N].
+
+    The inner contacts exert sum Q sin(alpha) along the axis and sum Q cos(alpha) cos(psi) in the line of load, so that
+    their axial force is at least F_r tan(alpha)/cos(psi) with the roller that is nearest to the line of load, half a
+    pitch away at most. Centrifugal forces press on the inclined outer raceway, and take Z F_c tan(alpha) of the load.
+    """
+    bearing = scene.bearing
+    operation = scene.operation
+    nearest = math.cos(math.pi / bearing.rollers)
+    area = math.pi * bearing.roller_diameter**2 / 4.0
+    mass = bearing.material.density * area * bearing.roller_length
+    inner = bearing.inner_raceway_diameter
+    outer = bearing.outer_raceway_diameter
+    orbit = 0.5 * bearing.pitch_diameter
+    speed = (inner * operation.inner_speed + outer * operation.outer_speed) / (inner + outer)
+    centrifugal = bearing.rollers * mass * orbit * speed * speed
+    radial = operation.radial_load / nearest
+    return float((radial + centrifugal) * math.tan(bearing.angles.outer))
+
+
+def tapered_problems(scene: Scene, where: Location) -> list[str]:
+    """Return messages on loads and parts that a tapered bearing cannot have, or only such a bearing has.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    where : Location
+        Location of the scene, for messages.
+    """
+    bearing = scene.bearing
+    is_tapered = bearing.contact_angle is not None
+    without_clearance = "an axial load takes up the clearance of a tapered bearing; leave it out"
+    only_tapered = "only read with contact_angle, of a tapered roller bearing"
+    refused = [
+        ("bearing.pitch_diameter", bearing.stated_pitch_diameter and not is_tapered, only_tapered),
+        ("bearing.roller_half_angle", bearing.roller_half_angle and not is_tapered, only_tapered),
+    ]
+    if is_tapered:
+        refused += [
+            ("bearing.radial_clearance", bearing.radial_clearance, without_clearance),
+            ("bearing.clearance_class", bearing.clearance_class, without_clearance),
+            ("bearing.mounting", bearing.mounting, without_clearance),
+            (
+                "bearing.roller_half_angle",
+                bearing.angles.inner <= 0.0,
+                "must be less than half the contact angle, so that the inner raceway is a cone, too",
+            ),
+            ("bearing.pitch_diameter", *_differing_pitch(bearing)),
+            ("operation.misalignment", scene.operation.misalignment, _rigid("the tilt of rings")),
+            *(
+                (
+                    f"models.{ring}_ring",
+                    getattr(scene.models, f"{ring}_ring"),
+                    _rigid("a flexible ring"),
+                )
+                for ring in ("inner", "outer")
+            ),
+            *(
+                (f"bearing.{ring}_raceway.form", raceway and raceway.form, _rigid("a form error"))
+                for ring in ("inner", "outer")
+                for raceway in (getattr(bearing, f"{ring}_raceway"),)
+            ),
+            ("operation.axial_load", *_missing_axial_load(scene)),
+        ]
+    problems = []
+    for key, is_refused, reason in refused:
+        if is_refused:
+            at = where
+            for part in key.split("."):
+                at = at.at(part)
+            problems.append(at.message(reason))
+    return problems
+
+
+def _rigid(what: str) -> str:
+    """Return the message that something is not modelled in a tapered bearing."""
+    return f"{what} is not modelled in a tapered bearing; leave it out"
+
+
+def _differing_pitch(bearing: Any) -> tuple[bool, str]:
+    """Return whether stated raceways disagree with the stated pitch diameter, and a message."""
+    pitch = bearing.stated_pitch_diameter
+    if pitch is None:
+        return False, ""
+    own = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
+    expected = raceway_diameters(pitch, bearing.roller_diameter, bearing.angles)
+    difference = max(abs(a - b) for a, b in zip(own, expected, strict=True))
+    inner, outer = (format_quantity(diameter, "m") for diameter in own)
+    return difference > _LENGTH_ROUNDING, (
+        f"raceways of {inner} and {outer} at the middle of the rollers are stated as well, and do not agree with "
+        f"{format_quantity(pitch, 'm')}; leave out one of them"
+    )
+
+
+def _missing_axial_load(scene: Scene) -> tuple[bool, str]:
+    """Return whether the axial load does not hold the rings together, and a message."""
+    needed = required_axial_load(scene)
+    given = scene.operation.axial_load or 0.0
+    return given <= needed, (
+        f"{format_quantity(given, 'N')} does not hold the rings of a tapered bearing together under "
+        f"{format_quantity(scene.operation.radial_load, 'N')} of radial load at this speed, which takes more "
+        f"than {format_quantity(needed, 'N', 4)}. An opposed bearing gives what lacks: add its force to the load from "
+        "outside"
+    )

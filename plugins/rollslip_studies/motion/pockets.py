@@ -304,6 +304,8 @@ def reason_without_play(balance: TorqueBalance) -> str:
     scene = balance.assembly.scene
     if scene.models.neighbour_friction is not None:
         return "a full complement has no cage and no pockets"
+    if scene.bearing.contact_angle is not None:
+        return "rollers with play in the pockets of a tapered bearing are not modelled"
     if balance.assembly.cage.pocket_clearance == 0.0:
         return "the pockets have no play, cage.pocket_clearance is 0"
     if not balance.inertia:

@@ -25,7 +25,7 @@ from rollslip.errors import DomainError
 from rollslip.references import CitedModel
 from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip.structure import Location
+from rollslip.structure import Location, raise_problem_if
 
 __all__ = [
     "LIFE",
@@ -142,8 +142,17 @@ class LifeDuty:
 
     @classmethod
     def of(cls, assembly: Assembly) -> "LifeDuty":
-        """Return the duty of an assembled bearing at its resolution."""
+        """Return the duty of an assembled bearing at its resolution; a `SceneError` for a tapered one.
+
+        The equivalent load of a tapered bearing takes both loads, with factors of its catalogue.
+        """
         bearing = assembly.scene.bearing
+        raise_problem_if(
+            bearing.contact_angle is not None,
+            Location(assembly.scene.origins, ("bearing", "contact_angle")).message(
+                "the rating life of a tapered bearing is not modelled"
+            ),
+        )
         operation = assembly.scene.operation
         loads = assembly.load_distribution(assembly.resolution.n_positions or 1)
         return cls(

@@ -70,6 +70,12 @@ def check_moves(assembly: Assembly, level: str) -> None:
     operation = assembly.scene.operation
     for is_refused, table, key, advice in (
         (
+            assembly.scene.bearing.contact_angle is not None,
+            "bearing",
+            "contact_angle",
+            "know no tapered bearing; take the study of steady slips",
+        ),
+        (
             assembly.scene.models.neighbour_friction is not None,
             "models",
             "separator",
