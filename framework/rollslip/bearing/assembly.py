@@ -168,10 +168,16 @@ class Assembly:
 
     @property
     def weight_fraction(self) -> float:
-        """Weight of a roller over the other forces on it, F_r/Z + F_c [1]; infinite where these are zero."""
-        other = (
-            self.scene.operation.radial_load / self.scene.bearing.rollers + self.centrifugal_force
-        )
+        """Weight of a roller over the other forces on it, F_r/Z + F_c [1]; infinite where these are zero.
+
+        The axial load of a tapered bearing adds F_a/(Z sin(alpha)).
+        """
+        operation = self.scene.operation
+        bearing = self.scene.bearing
+        other = operation.radial_load / bearing.rollers + self.centrifugal_force
+        if bearing.contact_angle is not None:
+            axial = (operation.axial_load or 0.0) / bearing.rollers
+            other += axial / math.sin(bearing.contact_angle)
         return self.roller_mass * GRAVITY / other if other > 0.0 else math.inf
 
     def _read_cage(self) -> Cage:
@@ -248,13 +254,14 @@ class Assembly:
             self, resolution=resolution, position=position, widths=widths, drop=drop
         )
 
-    def at_load(self, radial_load: float) -> "Assembly":
-        """Return the same bearing under another radial load [N], for a search; its scene retains text and origins."""
+    def at_load(self, load: float) -> "Assembly":
+        """Return the same bearing under another load [N], for a search; its scene retains text and origins.
+
+        It is the radial load, or the axial one where there is no radial load; both retain their ratio.
+        """
         cage = self.cage
         scene = self.scene
-        scene = attrs.evolve(
-            scene, operation=attrs.evolve(scene.operation, radial_load=radial_load)
-        )
+        scene = attrs.evolve(scene, operation=scene.operation.with_load(load))
         if any(
             "radial_load" in taken_from_scene(model)
             for model in (*self.models.values(), *cage.named)

@@ -75,7 +75,8 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
         summary.append(f"kappa {text}")
     rows.append(Row(key="kappa", label="kappa", value=kappa, text=text, note=viscosity))
     load = scene.operation.radial_load
-    if load > 0.0:
+    is_tapered = bearing.contact_angle is not None
+    if load > 0.0 and not is_tapered:
         safety = bearing.static_rating / load
         note = f"C0 {format_force(bearing.static_rating, bearing.static_rating)} after ISO 76"
         rows.append(Row(key="C0/P", label="C0/P", value=safety, text=two_digits(safety), note=note))
@@ -107,15 +108,18 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
             text=format_quantity(cage, "rad/s", 3),
             note=f"without slip; rollers {rollers}",
         ),
-        Row(
-            key="clearance",
-            label="radial clearance",
-            value=bearing.radial_clearance,
-            unit="m",
-            text=f"{two_digits(1e6 * bearing.radial_clearance)} µm",
-            note=str(bearing.mounted or "").partition(" = ")[0],
-        ),
     ]
+    if not is_tapered:
+        rows.append(
+            Row(
+                key="clearance",
+                label="radial clearance",
+                value=bearing.radial_clearance,
+                unit="m",
+                text=f"{two_digits(1e6 * bearing.radial_clearance)} µm",
+                note=str(bearing.mounted or "").partition(" = ")[0],
+            )
+        )
     return Answer(
         summary=", ".join(summary + pressures),
         rows=tuple(rows),

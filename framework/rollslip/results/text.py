@@ -58,6 +58,7 @@ __all__ = [
     "single_value_indices",
     "single_values",
     "small_load_notes",
+    "stated_load",
     "two_digits",
     "with_unit",
     "worst_messages",
@@ -679,6 +680,11 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
     return tuple(text for key, text in parts.items() if text and key not in varied)
 
 
+def stated_load(operation: Mapping[str, Any]) -> float:
+    """Return the radial load of a resolved operation, or the axial one where there is no radial load [N]."""
+    return float(operation.get("radial_load", math.nan) or operation.get("axial_load") or 0.0)
+
+
 def describe_operation(operation: Mapping[str, Any]) -> dict[str, str]:
     """Return speeds, load and temperature of an operation in engineering units, by key of the scene."""
     inner, outer = (
@@ -689,9 +695,14 @@ def describe_operation(operation: Mapping[str, Any]) -> dict[str, str]:
         speed += f" (outer ring {format_plain(outer)} rpm)"
     load = operation["radial_load"]
     unit, factor = force_unit(load)
+    text = f"{format_plain(load * factor)} {unit}"
+    if axial := operation.get("axial_load"):
+        unit, factor = force_unit(axial)
+        along = f"{format_plain(axial * factor)} {unit} axial"
+        text = f"{text} radial, {along}" if load else along
     return {
         "operation.inner_speed": speed,
-        "operation.radial_load": f"{format_plain(load * factor)} {unit}",
+        "operation.radial_load": text,
         "operation.temperature": f"{format_plain(operation['temperature'] - 273.15)} °C",
     }
 

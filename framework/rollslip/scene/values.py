@@ -11,7 +11,7 @@ Decisions:
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 import attrs
 
@@ -145,6 +145,20 @@ class Operation:
         usual=(-6.2832, 6.2832),
         possible=(-1e3, 1e3),
     )
+
+    @property
+    def load(self) -> float:
+        """Radial load, or the axial one where there is no radial load [N]: what searches for a load vary."""
+        return self.radial_load or self.axial_load or 0.0
+
+    def with_load(self, load: float) -> Self:
+        """Return the same operation under another `load` [N]; radial and axial load have the same ratio as before."""
+        if self.axial_load is None:
+            return attrs.evolve(self, radial_load=load)
+        if self.radial_load == 0.0:
+            return attrs.evolve(self, axial_load=load)
+        axial = self.axial_load * (load / self.radial_load)
+        return attrs.evolve(self, radial_load=load, axial_load=axial)
 
     def __attrs_post_init__(self) -> None:
         refuse_if(

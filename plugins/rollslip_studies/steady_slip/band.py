@@ -533,7 +533,7 @@ def _load_search(nominal: Assembly, slip: float) -> _Factor | None:
         log, own_slope = _root_by_secants(excess, start, math.inf, slope)
         return log if own_slope > 0.0 else math.nan, own_slope
 
-    return _factors(log_load, nominal, nominal.scene.operation.radial_load, lambda log: log)
+    return _factors(log_load, nominal, nominal.scene.operation.load, lambda log: log)
 
 
 def _root_by_secants(

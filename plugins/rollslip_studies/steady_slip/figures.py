@@ -33,7 +33,7 @@ from rollslip.results.style import (
     plain_decades,
     unit_label,
 )
-from rollslip.results.text import format_slip_band, percent, two_digits
+from rollslip.results.text import format_slip_band, percent, stated_load, two_digits
 from rollslip.scene.reading import from_raw
 from rollslip.search import Array
 from rollslip.units import converted, shown_unit
@@ -299,7 +299,7 @@ def _load_figure(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     except (KeyError, RollslipError):  # an older result, or one of a package that is not installed
         return
     caption = (
-        "Steady cage slip over the radial load with minimum loads, estimated through slip and minimum load of the run; "
+        "Steady cage slip over the load with minimum loads, estimated through slip and minimum load of the run; "
         "at other loads within a factor of 2. Colours are verdicts by the slip alone."
     )
     yield "steady-slip-load", caption, _over_load(dataset, load, slip)
@@ -313,8 +313,8 @@ def _slip_over_load(dataset: "xr.Dataset") -> tuple[Array, Array]:
     loaded.
     """
     scene = from_raw(json.loads(dataset.attrs["scene_resolved"]), "")
-    known = _known_slips(dataset, scene.operation.radial_load)
-    of_set_rollers = _known_slips(without_play(dataset), scene.operation.radial_load)
+    known = _known_slips(dataset, scene.operation.load)
+    of_set_rollers = _known_slips(without_play(dataset), scene.operation.load)
     marks = [*known, *of_set_rollers, *catalogue_loads(dataset).values()]
     loads = np.unique([*np.geomspace(min(marks) / _BEYOND, _BEYOND * max(marks), _LOADS), *marks])
     assembly = assemble(scene)
@@ -337,7 +337,7 @@ def _slip_over_load(dataset: "xr.Dataset") -> tuple[Array, Array]:
             around = slice(after - 1, after + 1)
             found[k] = np.exp(np.interp(0.0, excess[around], np.log(slips[around])))
     set_slips = _shifted(loads, found, of_set_rollers)
-    here = scene.operation.radial_load
+    here = scene.operation.load
     added = known[here] - of_set_rollers[here]
     if added > 0.0:
         set_slips = set_slips + added * play / play[np.searchsorted(loads, here)]
@@ -385,7 +385,8 @@ def _over_load(dataset: "xr.Dataset", load: Array, slip: Array) -> "Figure":
             color="0.25",
         )
     sheet.line(shown, np.minimum(100 * slip, 100.0), "steady slip", color=MODEL_COLOURS[0])
-    here = json.loads(dataset.attrs["scene_resolved"])["operation"]["radial_load"]
+    operation = json.loads(dataset.attrs["scene_resolved"])["operation"]
+    here = stated_load(operation)
     slip_here = 100 * float(dataset["steady_slip"].to_numpy()[0])
     sheet.mark(converted(here, "N", unit), max(slip_here, _LOWEST_SLIP), "the scene", **MARKER)
     measured, sigma, loads = _measured_slips(dataset, "radial_load")
@@ -396,8 +397,11 @@ def _over_load(dataset: "xr.Dataset", load: Array, slip: Array) -> "Figure":
     axes.set_xlim(min(ends), max(ends))
     axes.set_ylim(_LOWEST_SLIP, 100.0)
     _mark_minimum_load(sheet, dataset, unit)
+    label = f"Radial load {_SYMBOLS['radial_load']}"
+    if operation["radial_load"] == 0.0 < here:
+        label = "Axial load"
     return sheet.done(
-        f"Radial load {_SYMBOLS['radial_load']} [{unit}]",
+        f"{label} [{unit}]",
         axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"),
     )
 

@@ -20,6 +20,7 @@ from rollslip.results.text import (
     format_rounded_up,
     format_slip_band,
     percent,
+    stated_load,
     two_digits,
 )
 from rollslip.results.text import precise_percent as _percent
@@ -102,16 +103,18 @@ def next_of_others(dataset: "xr.Dataset") -> dict[str, tuple[str, ...]]:
 
 def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, ...]]:
     """Return commands for the next step by verdict: a run at the upper bound of the minimum load, where it has more."""
-    load = (
-        json.loads(dataset.attrs.get("scene_resolved", "{}"))
-        .get("operation", {})
-        .get("radial_load", math.nan)
-    )
+    operation = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {})
+    load = stated_load(operation)
     row = next((row for row in rows if row.key == "minimum_load"), None)
     more = math.nan if row is None else (row.band or (row.value,))[-1]
     if not load < more < math.inf:
         return NEXT
-    run = f"rollslip run {{scene}} --set operation.radial_load='{format_rounded_up(more, force_unit(load)[0])}'"
+    settings = " ".join(
+        f"--set operation.{key}='{format_rounded_up(more * (size / load), force_unit(size)[0])}'"
+        for key in ("radial_load", "axial_load")
+        if (size := operation.get(key))
+    )
+    run = f"rollslip run {{scene}} {settings}"
     return {
         verdict: commands if verdict == "OK" else (run, *commands)
         for verdict, commands in NEXT.items()
@@ -123,8 +126,11 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
     state = dataset.isel(steady=int(lasting[0]) if lasting.size else 0)
     scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
-    load = scene.get("operation", {}).get("radial_load", math.nan)
+    operation = scene.get("operation", {})
+    load = stated_load(operation)
     clearance = scene.get("bearing", {}).get("radial_clearance")
+    if "contact_angle" in scene.get("bearing", {}):
+        clearance = None
     slip = float(state["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
@@ -136,7 +142,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             note = "it is for a cage that lags"
             yield attrs.evolve(UNCOMPUTED_MINIMUM_LOAD, text="not found", rank=_KNOWN, note=note)
         else:
-            yield _minimum_load_row(dataset, acceptable, load, preload)
+            yield _minimum_load_row(dataset, acceptable, operation, preload)
         if is_heavy:
             yield limit
         if preload == 0.0 or float(dataset["minimum_load"]) > 0.0:
@@ -284,14 +290,23 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
     return Row(**row, text=text, band=band)
 
 
-def _minimum_load_row(dataset: "xr.Dataset", acceptable: float, load: float, preload: float) -> Row:
+def _minimum_load_row(
+    dataset: "xr.Dataset", acceptable: float, operation: Mapping[str, Any], preload: float
+) -> Row:
     """Return the row of the minimum load, with its band where the result has one."""
+    load = stated_load(operation)
     minimum = float(dataset["minimum_load"])
     status = str(dataset["minimum_load_status"].item())
     row: Any = {"key": "minimum_load", "label": "minimum load", "unit": "N", "rank": _KNOWN}
     outcome = Status.of(status)
     is_unlimited = outcome in (Status.NO_LOAD_NEEDED, Status.ANY_LOAD)
     condition = f"for a slip below {format_plain(100.0 * acceptable)} %"
+    if operation.get("axial_load"):
+        condition += (
+            ", axial"
+            if not operation["radial_load"]
+            else ", radial, at this ratio to the axial one"
+        )
     if preload > 0.0 and is_unlimited:
         return Row(**row, text="none", note=f"preloaded by {two_digits(1e6 * preload)} µm")
     if math.isnan(minimum):

@@ -324,6 +324,8 @@ class Rule:
             Relative speed of its rings [rad/s].
         """
         catalogue = bearing.catalogue or Catalogue()
+        if bearing.contact_angle is not None:
+            return math.nan, "is not one for a tapered bearing"
         missing = [
             f"bearing.catalogue.{key}" for key in self.takes if getattr(catalogue, key) is None
         ]

@@ -703,7 +703,7 @@ class SteadySlip(Study):
         return balance
 
     def _at_load(self, balance: TorqueBalance) -> Callable[[float], TorqueBalance]:
-        """Return a function from a radial load [N] to the torque balance of the same bearing there."""
+        """Return a function from a load [N] to the torque balance of the same bearing there; see `Assembly.at_load`."""
         return lambda load: TorqueBalance(
             balance.assembly.at_load(load),
             balance.drags,
@@ -717,7 +717,7 @@ class SteadySlip(Study):
         scene = balance.assembly.scene
         weight = rollers_weight(balance.assembly)
         at_load = lru_cache(maxsize=1)(self._at_load(balance))
-        load, status, slips = minimum_load(at_load, scene.operation.radial_load, slip, weight)
+        load, status, slips = minimum_load(at_load, scene.operation.load, slip, weight)
         makers, statuses = minimum_loads_of_makers(scene)
         variables = self.variables(
             minimum_load=load,

@@ -42,7 +42,8 @@ def basic_life(scene: "Scene") -> float:
 def largest_load(scene: "Scene") -> dict[str, float | str]:
     """Return attributes of a result: the largest load with the default life and static safety [N], and which limits it.
 
-    P = C (1e6/N)^(3/10) with N revolutions of the rings relative to each other, at most C_0/1.5.
+    P = C (1e6/N)^(3/10) with N revolutions of the rings relative to each other, at most C_0/1.5. There are none for a
+    tapered bearing, whose equivalent load takes factors of its catalogue.
 
     Parameters
     ----------
@@ -51,6 +52,8 @@ def largest_load(scene: "Scene") -> dict[str, float | str]:
     """
     from rollslip.studies.rating_life.model import REVOLUTIONS, dynamic_rating
 
+    if scene.bearing.contact_angle is not None:
+        return {}
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
     revolutions = 3600.0 * HOURS * speed / (2.0 * math.pi)
     static = scene.bearing.static_rating / STATIC_SAFETY

@@ -191,9 +191,11 @@ def torque_formulas(scene: Scene) -> tuple[TorqueFormula, ...]:
 def formula_variables(assembly: Assembly) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the friction torques by the formulas of a scene as variables, and their coordinates.
 
-    Both are empty without formulas. The torque is NaN where its status says what the formula lacks.
+    Both are empty without formulas, and for a tapered bearing, of which none of them is. The torque is NaN where its
+    status says what the formula lacks.
     """
-    if not (formulas := torque_formulas(assembly.scene)):
+    formulas = torque_formulas(assembly.scene)
+    if not formulas or assembly.scene.bearing.contact_angle is not None:
         return {}, {}
     duty = Duty.of(assembly)
     totals = []

@@ -1,0 +1,138 @@
+"""Steady slips, losses and answers of tapered bearings."""
+
+import math
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rollslip import evolve
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.resolution import as_stated
+from rollslip.results.accounts import account_of
+from rollslip.results.text import describe_case
+from rollslip.scene.reading import parse_scene
+from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.pockets import reason_without_play
+from rollslip_studies.motion.torque_balance import TorqueBalance
+from without_bands import run
+
+SCENE = parse_scene(
+    """
+[bearing]
+rollers = 16
+roller_diameter = "17 mm"
+roller_length = "20.7 mm"
+contact_angle = "15.64 deg"
+pitch_diameter = "108.5 mm"
+profile = "logarithmic"
+[lubricant]
+name = "fva-3"
+[operation]
+inner_speed = "2000 rpm"
+radial_load = 0
+axial_load = "6 kN"
+temperature = "50 degC"
+[accuracy]
+tolerance = 0.02
+""",
+    "tapered.toml",
+)
+
+
+def bearing(**changes: object) -> Assembly:
+    """The bearing with few slices, and with changes of the operation in SI units."""
+    scene = evolve(SCENE, {f"operation.{name}": value for name, value in changes.items()}, si=True)
+    resolution = attrs.evolve(as_stated(scene), slices=6, n_positions=2)
+    return assemble(scene, resolution).with_resistance()
+
+
+def balance_of(assembly: Assembly) -> TorqueBalance:
+    return TorqueBalance(assembly, assembly.cage.drags, n_positions=2)
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    slip=st.floats(0.0, 0.5),
+    speed=st.floats(20.0, 400.0),
+    outer=st.sampled_from([0.0, -100.0]),
+    axial=st.floats(2e3, 2e4),
+    ratio=st.floats(0.0, 2.5),
+)
+def test_what_the_rings_put_in_is_lost_or_stored(
+    slip: float, speed: float, outer: float, axial: float, ratio: float
+) -> None:
+    assembly = bearing(
+        inner_speed=speed, outer_speed=outer, axial_load=axial, radial_load=ratio * axial
+    )
+    balance = balance_of(assembly)
+    power = power_balance(balance, balance.orbit(slip))
+    scale = sum(abs(loss.power) for loss in power.losses)
+    assert sum(power.rings) == pytest.approx(power.total + power.stored, abs=1e-10 * scale)
+
+
+def test_rollers_of_a_hardly_tapered_bearing_slip_as_cylindrical_ones() -> None:
+    """At an angle of 1e-3 the axial load is that of the outer contacts of the cylindrical row."""
+    raceways = 'inner_raceway_diameter = "91.5 mm"\nouter_raceway_diameter = "125.5 mm"'
+    text = SCENE.text.replace('contact_angle = "15.64 deg"\n', "")
+    text = text.replace('pitch_diameter = "108.5 mm"', raceways)
+    text = text.replace('axial_load = "6 kN"\n', "").replace(
+        "radial_load = 0", "radial_load = 2000"
+    )
+    plain = parse_scene(text, "cylindrical.toml")
+    angle = 1e-3
+    resolution = attrs.evolve(as_stated(plain), slices=12, n_positions=4)
+    cylindrical = assemble(plain, resolution)
+    axial = float(cylindrical.load_distribution(4).outer_force.sum(axis=1).mean()) * math.sin(angle)
+    tapered = assemble(
+        evolve(
+            SCENE,
+            {
+                "bearing.contact_angle": angle,
+                "operation.radial_load": 2e3,
+                "operation.axial_load": axial,
+            },
+            si=True,
+        ),
+        resolution,
+    )
+    # larger slips change the centrifugal force, and with it how far the rings are together
+    slips = np.array([0.001, 0.005])
+    torques = [balance_of(each.with_resistance()).torques(slips) for each in (cylindrical, tapered)]
+    assert torques[1] == pytest.approx(torques[0], rel=1e-3)
+
+
+def test_loads_vary_in_their_ratio() -> None:
+    assembly = bearing(radial_load=3000.0, axial_load=6000.0)
+    operation = assembly.at_load(1500.0).scene.operation
+    assert (operation.radial_load, operation.axial_load) == (1500.0, 3000.0)
+    operation = bearing(axial_load=6000.0).at_load(1500.0).scene.operation
+    assert (operation.radial_load, operation.axial_load) == (0.0, 1500.0)
+
+
+def test_answer_has_no_rows_of_cylindrical_bearings() -> None:
+    result = run(SCENE, "steady-slip")
+    answer = account_of(result).answer(result)
+    rows = {row.key: row for row in answer.rows}
+    assert "6 kN axial" in describe_case(result)
+    assert not {"clearance", "makers_minimum_load", "largest_load"} & rows.keys()
+    assert rows["minimum_load"].note.endswith("for a slip below 5 %, axial")
+    assert 300.0 < rows["minimum_load"].value < 2000.0
+    assert "formula_torque" not in result
+    assert float(result["loss"].sum()) == pytest.approx(
+        float(result["friction_torque"][0]) * SCENE.operation.inner_speed, rel=1e-6
+    )
+
+
+def test_rollers_with_play_are_left_out_in_words() -> None:
+    reason = reason_without_play(balance_of(bearing()))
+    assert reason == "rollers with play in the pockets of a tapered bearing are not modelled"
+
+
+def test_pure_axial_load_is_carried_by_all_rollers_alike() -> None:
+    loads = bearing().load_distribution(2)
+    assert np.ptp(loads.outer_force) < 1e-9 * loads.outer_force.max()
+    expected = 6000.0 / (16 * math.sin(math.radians(15.64)))
+    assert loads.outer_force == pytest.approx(np.full((2, 16), expected), rel=1e-12)
