@@ -99,7 +99,12 @@ def test_the_catalogue_lists_what_the_package_promises():
 
 
 def test_a_family_offers_all_its_names_and_is_none_itself():
-    assert list(FAMILIES) == ["cylindrical-roller", "full-complement", "needle-roller"]
+    assert list(FAMILIES) == [
+        "cylindrical-roller",
+        "full-complement",
+        "needle-roller",
+        "tapered-roller",
+    ]
     for name, (kind, path) in FAMILIES.items():
         ((offer, family),) = (pair for pair in discovery.families(kind) if pair[0].name == name)
         assert (offer.name, offer.module) == (family.name, path) == (name, path)

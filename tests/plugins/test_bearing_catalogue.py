@@ -156,7 +156,7 @@ def test_other_bearings_are_called_what_they_are():
             find("bearing", written)
         assert f" {what}" in str(error.value), written
         assert "did you mean" not in str(error.value)
-        assert "rollslip is for cylindrical rollers in one row" in str(error.value)
+        assert "rollslip is for cylindrical and tapered rollers in one row" in str(error.value)
 
 
 def test_a_full_complement_bearing_without_the_letter_of_one_is_asked_for():

@@ -162,7 +162,10 @@ def describe_other_product(kind: str, name: str) -> str | None:
         if folded(known).startswith(folded(name))
     ]
     hint = f"did you mean {' or '.join(map(repr, longer[:3]))}? " if longer else ""
-    return f"this is {other}; {hint}rollslip is for cylindrical rollers in one row ('rollslip models {kind}' lists all)"
+    return (
+        f"this is {other}; {hint}rollslip is for cylindrical and tapered rollers in one row ('rollslip models {kind}' "
+        "lists all)"
+    )
 
 
 def ignored_letters(designation: str) -> str:

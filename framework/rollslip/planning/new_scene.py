@@ -12,6 +12,8 @@ import string
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final
 
+import attrs
+
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import CAGE_DESIGNS, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
@@ -19,7 +21,7 @@ from rollslip.datasets import PROFILES, Bearing
 from rollslip.errors import RollslipError, SceneError
 from rollslip.scene.clearance import usual_fit
 from rollslip.scene.reading import parse_scene
-from rollslip.scene.relations import skf_minimum_load
+from rollslip.scene.relations import required_axial_load, skf_minimum_load
 from rollslip.scene.supply import SUPPLIES
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, raise_problem_if
@@ -72,6 +74,18 @@ _NO_CAGE: Final = """[cage]
 # None: rollers push each other, as the bearing's name says.
 # Their friction coefficient is 0.1 (D); another one stands in [models.separator], as coefficient = 0.05
 """
+#: Lines of raceways and clearance, in which a tapered bearing differs.
+_RACEWAY_LINES: Final = re.compile(r"# inner_raceway_diameter.*?(?=\[surface\])", re.DOTALL)
+#: The lines in their place for a tapered bearing.
+_TAPERED_LINES: Final = """# pitch_diameter = "{pitch}" # at the middle of the rollers
+# contact_angle = "{angle}" # of the outer raceway: e = 1.5 tan(angle)
+
+"""
+#: Axial load of a tapered bearing over F_r tan(alpha) at which half of its rollers are loaded, after NSK, catalogue
+#: E728g, section 5.1: what an opposed bearing without preload exerts.
+_HALF_LOADED: Final = 1.26
+#: Axial load with which a tapered bearing is read before that load is known.
+_ENOUGH: Final = "100 MN"
 #: A number with a decimal comma that cannot be a separator of thousands.
 _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
 #: Option with a few choices -> other names, the choices, and what messages call them.
@@ -265,20 +279,37 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     }
     file = importlib.resources.files("rollslip.planning") / "new_scene.toml.in"
     template = string.Template(file.read_text(encoding="utf-8"))
-    bearing = parse_scene(
-        template.substitute(values, clearance="", radial_clearance=""), source
-    ).bearing
-    text = _aligned(
-        template.substitute(
-            values,
-            clearance=bearing.mounted or "of a bearing without clearance classes",
-            radial_clearance=format_quantity(bearing.radial_clearance, "m", 3),
-        )
+    enough = f'\naxial_load = "{_ENOUGH}"' if values["is_tapered"] else ""
+    first = parse_scene(
+        template.substitute(values, clearance="", radial_clearance="", axial_load=enough), source
     )
+    bearing = first.bearing
+    text = template.substitute(
+        values,
+        clearance=bearing.mounted or "of a bearing without clearance classes",
+        radial_clearance=format_quantity(bearing.radial_clearance, "m", 3),
+        axial_load=_assumed_axial_load(first),
+    )
+    if bearing.contact_angle is not None:
+        pitch = format_quantity(bearing.pitch_diameter, "m", 4)
+        angle = f"{math.degrees(bearing.contact_angle):.2f} deg"
+        text = _RACEWAY_LINES.sub(_TAPERED_LINES.format(pitch=pitch, angle=angle), text)
+    text = _aligned(text)
     if not values["make"]:  # a full complement
         text = _CAGE_TABLE.sub(_NO_CAGE, text)
     assemble(parse_scene(text, f"{source} (not written)")).load_distribution()
     return text
+
+
+def _assumed_axial_load(scene: Scene) -> str:
+    """Return the line with the axial load of a tapered bearing at which half of its rollers are loaded, or nothing."""
+    if scene.bearing.contact_angle is None:
+        return ""
+    operation = scene.operation
+    unloaded = attrs.evolve(scene, operation=attrs.evolve(operation, radial_load=0.0))
+    radial = operation.radial_load * math.tan(scene.bearing.contact_angle)
+    load = format_quantity(_HALF_LOADED * radial + required_axial_load(unloaded), "N", 3)
+    return f'\naxial_load = "{load}" # ASSUMED, half of the rollers are loaded; write yours'
 
 
 def _values(
@@ -315,6 +346,7 @@ def _values(
         "mounted": "" if b.mounting else "# ",
         "shaft_fit": usual_fit(b.boundaries[0]),
         **_seats(b),
+        "is_tapered": b.contact_angle is not None,
         "follows": "# " if follows else "",
         "make": cage,
         "why_make": f"{make.description}{reason}",

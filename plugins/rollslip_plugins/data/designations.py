@@ -137,6 +137,16 @@ def read_designation(written: str) -> Designation | None:
     )
 
 
+#: What a tapered bearing is that is none of the catalogue.
+_OTHER_TAPER: Final = (
+    "tapered roller bearing of a size or a series that is not in the catalogue: state its rollers, contact_angle and "
+    "pitch_diameter in [bearing] in place of its name"
+)
+#: The same of an inch series.
+_INCH_TAPER: Final = (
+    "tapered roller bearing of inch sizes, which are not in the catalogue: state its rollers, contact_angle and "
+    "pitch_diameter in [bearing] in place of its name"
+)
 #: Series of other bearings, the digits before the code of the bore -> kind of bearing.
 _SERIES: Final[Mapping[str, str]] = {
     series: what
@@ -148,7 +158,7 @@ _SERIES: Final[Mapping[str, str]] = {
         "double row angular contact ball bearing": "30 32 33 38 52 53 54",
         "spherical roller bearing": "213 222 223 230 231 232 233 238 239 240 241 248 249",
         "barrel roller bearing": "202 203 204",
-        "taper roller bearing": "302 303 313 320 322 323 329 330 331 332",
+        _OTHER_TAPER: "302 303 313 320 322 323 329 330 331 332",
         "thrust ball bearing": "511 512 513 514 522 523 524 532 533 534 542 543 544",
         "double direction angular contact thrust ball bearing": "2344 2347",
         "spherical roller thrust bearing": "292 293 294",
@@ -184,9 +194,10 @@ _LETTERED: Final = tuple(
         (r"QJF?\d", "four-point contact ball bearing"),
         (r"C\d{4}", "toroidal roller bearing"),
         (
-            r"T\d[A-Z]{2}\d|K?J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d|(?:4T|ET|HR|TR)\d",
-            "taper roller bearing",
+            r"K?J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d",
+            _INCH_TAPER,
         ),
+        (r"T\d[A-Z]{2}\d|(?:4T|ET|HR|TR)\d", _OTHER_TAPER),
         (r"LM\d+UU|LME?\d|LB[BCE]R?\d|KH\d", "linear ball bearing"),
     )
 )
@@ -223,7 +234,7 @@ def other_bearing(written: str) -> str | None:
     core = _CORE.match(re.sub(r"(?<=\d)\s(?=\d\d\b)", "", plain))
     what = None if core is None else _SERIES.get(core["series"])
     if re.match(r"\d{4,6}[A-Z]?[/-]\d{4,6}", plain):
-        what = "taper roller bearing"  # cone and cup of inch sizes, 15101/15245
+        what = _INCH_TAPER  # cone and cup of inch sizes, 15101/15245
     what = what or next((what for start, what in _LETTERED if start.match(solid)), None)
     if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", solid):
         what = (
