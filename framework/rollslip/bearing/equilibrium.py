@@ -264,8 +264,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
 
         Q_oj = Q_ij + F_c / cos a      sum Q_ij cos psi_j cos a = F_r      sum Q_oj sin a = F_a
 
-    The rib of a tapered roller carries the axial component of both contacts, which is left out here: forces on the
-    outer ring are within 0.12 % of those of a model with it, those on the inner ring within 0.3 %.
+    The rib of a tapered roller carries the component of both contacts along its axis, which is left out here: forces on
+    the outer ring are within 0.1 % of those of a model with it, those on the inner ring within 0.4 %, in a 32216.
 
     Without radial load and with clearance nothing presses on the inner ring: its loads are zero, and the caller decides
     whether that is an error. The law of the contacts is evaluated for touching contacts only.
