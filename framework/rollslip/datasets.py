@@ -480,7 +480,10 @@ class Bearing:
         possible=(0, 0.5),
     )
     radial_clearance: float = field(
-        default=attrs.Factory(lambda bearing: bearing.nominal_clearance, takes_self=True),
+        default=attrs.Factory(
+            lambda bearing: bearing.nominal_clearance if bearing.contact_angle is None else 0.0,
+            takes_self=True,
+        ),
         unit="m",
         doc="radial internal clearance in operation (full play); if left out, what mounting leaves, or the diameters",
         usual=(-3e-4, 2e-3),
@@ -512,12 +515,11 @@ class Bearing:
 
     @property
     def nominal_clearance(self) -> float:
-        """Clearance by the diameters [m]; none of tapered rollers."""
-        if self.contact_angle is not None:
-            return 0.0
-        gap = self.outer_raceway_diameter - self.inner_raceway_diameter - 2 * self.roller_diameter
+        """Clearance by the diameters [m]."""
         # rounded to a picometre, because the subtraction has rounding errors; the sum makes -0.0 to 0.0
-        return round(gap, 12) + 0.0
+        return 0.0 + round(
+            self.outer_raceway_diameter - self.inner_raceway_diameter - 2 * self.roller_diameter, 12
+        )
 
     @property
     def carries_axial_load(self) -> bool:
@@ -534,6 +536,11 @@ class Bearing:
         return ContactAngles.with_common_apex(
             self.contact_angle, self.roller_diameter / self.pitch_diameter
         )
+
+    @property
+    def cosines(self) -> tuple[float, float, float]:
+        """Cosines of the half angle of a roller and of the contact angles of inner and outer raceway [1]."""
+        return (1.0, 1.0, 1.0) if self.contact_angle is None else self.angles.cosines
 
     def material_of(self, ring: str) -> Material:
         """Return the material of the "inner" or "outer" raceway, by default that of the bearing."""
@@ -577,6 +584,11 @@ class Bearing:
         inner = self.inner_raceway_diameter
         outer = self.outer_raceway_diameter
         diameter = self.roller_diameter
+        refuse_if(
+            self.contact_angle is None and (self.stated_pitch_diameter or self.roller_half_angle),
+            "contact_angle",
+            "missing, but pitch_diameter or roller_half_angle is stated, as of a tapered bearing",
+        )
         shown = format_quantity(diameter, "m")
         if inner >= outer:
             reason = f"{format_quantity(outer, 'm')} must be larger than the inner one, {format_quantity(inner, 'm')}"

@@ -58,6 +58,11 @@ class ContactAngles:
         """Contact angle of the inner raceway [rad]."""
         return self.outer - 2.0 * self.half
 
+    @property
+    def cosines(self) -> tuple[float, float, float]:
+        """Cosines of the half angle of a roller and of the contact angles of inner and outer raceway [1]."""
+        return math.cos(self.half), math.cos(self.inner), math.cos(self.outer)
+
 
 #: Angles of cylindrical rollers.
 CYLINDRICAL: Final = ContactAngles(0.0, 0.0)

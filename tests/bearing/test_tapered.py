@@ -19,11 +19,15 @@ from rollslip.taper import ContactAngles, raceway_diameters
 from rollslip_kernels.slices import Conditions
 from rollslip_plugins.contact import Palmgren
 
-#: Bearing 32216 (Wingertszahn and others 2023): rollers, diameter, length, pitch diameter [m]; angle from e = 0.42.
+#: Rollers of the bearing 32216 of Wingertszahn and others (2023).
 Z = 16
+#: Their diameter at the middle [m].
 DIAMETER = 0.017
+#: Their effective length [m].
 LENGTH = 0.0207
+#: Pitch diameter [m].
 PITCH = 0.1085
+#: Contact angle from e = 0.42 [rad].
 ANGLE = math.radians(15.64)
 ANGLES = ContactAngles.with_common_apex(ANGLE, DIAMETER / PITCH)
 
@@ -45,7 +49,7 @@ def test_cones_have_a_common_apex() -> None:
 def test_curvatures_are_those_of_cones() -> None:
     """The curvature of a cone across its generator is the cosine of its half angle over its radius."""
     inner, outer = (d / 2 for d in raceway_diameters(PITCH, DIAMETER, ANGLES))
-    bearing = Kinematics(inner, outer, DIAMETER / 2, 209.4, 0.0, ANGLES)
+    bearing = Kinematics(inner, outer, DIAMETER / 2, 209.4, 0.0, ANGLES.cosines)
     roller = math.cos(ANGLES.half) / (DIAMETER / 2)
     for radius, other in (
         (bearing.inner_equivalent_radius, math.cos(ANGLES.inner) / inner),
@@ -59,7 +63,7 @@ def test_curvatures_are_those_of_cones() -> None:
 
 
 def case(
-    angle: float | None = ANGLE,
+    angle: float = ANGLE,
     slices: int = 60,
     turn: float = 0.0,
     rollers: int = Z,
@@ -153,7 +157,7 @@ def test_hardly_tapered_rollers_carry_as_cylindrical_ones() -> None:
     """At an angle of 1e-7 the sum of the outer forces of the cylindrical row is what the axial load has to be."""
     angle = 1e-7
     plain = solve_equilibrium(
-        case(None, radial_load=5000.0, radial_clearance=3e-5, centrifugal_force=20.0), contacts()
+        case(0.0, radial_load=5000.0, radial_clearance=3e-5, centrifugal_force=20.0), contacts()
     )
     axial = float(plain.outer_force.sum()) * math.sin(angle)
     tapered = solve_equilibrium(

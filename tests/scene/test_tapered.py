@@ -84,7 +84,7 @@ def test_pitch_diameter_needs_a_contact_angle() -> None:
         "[lubricant]",
         'inner_raceway_diameter = "91 mm"\nouter_raceway_diameter = "126 mm"\n[lubricant]',
     )
-    with pytest.raises(SceneError, match=r"bearing\.pitch_diameter: only read with contact_angle"):
+    with pytest.raises(SceneError, match=r"bearing\.contact_angle: missing, but pitch_diameter"):
         scene(text)
 
 

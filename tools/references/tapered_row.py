@@ -15,17 +15,22 @@ import numpy as np
 
 #: Equivalent modulus of steel E/(1 - nu^2) [Pa].
 MODULUS = 208e9 / (1 - 0.3**2)
-#: Bearing 32216: rollers, diameter, length, pitch diameter [m], contact angle of the outer raceway [rad].
+#: Rollers of a bearing 32216.
 ROLLERS = 16
+#: Their diameter at the middle [m].
 DIAMETER = 0.017
+#: Their length [m].
 LENGTH = 0.0207
+#: Pitch diameter [m].
 PITCH = 0.1085
+#: Contact angle of the outer raceway [rad].
 ANGLE = np.radians(15.64)
 #: Factor of the drop of the profile, 0.0005 D ln(1/(1 - (2 x/L)^2)), as printed for this bearing.
 DROP = 0.0005
 SLICES = 60
-#: Height of the rib contact above the raceway [m], and radius of the end over the length to the apex.
+#: Height of the rib contact above the raceway [m].
 HEIGHT = 2e-3
+#: Radius of the end of a roller over the length to the apex.
 END = 0.9
 #: Axial and radial load, centrifugal force of a roller [N], angle of the first roller over the pitch.
 CASES = (

@@ -357,7 +357,7 @@ class Assembly:
             widths=self.widths,
             rings=self.rings,
             body_force=self.body_force,
-            contact_angle=b.contact_angle,
+            contact_angle=b.contact_angle or 0.0,
             axial_load=o.axial_load or 0.0,
         )
 
@@ -475,7 +475,7 @@ def assemble(
         scene.bearing.roller_diameter / 2,
         scene.operation.inner_speed,
         scene.operation.outer_speed,
-        scene.bearing.angles,
+        scene.bearing.cosines,
     )
     try:
         position, widths, drop = slicing(scene, resolution)

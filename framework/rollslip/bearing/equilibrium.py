@@ -137,8 +137,8 @@ class LoadCase:
     rings: Rings | None = None
     #: Force on each roller in a fixed direction, along the line of load and across it [N].
     body_force: tuple[float, float] = (0.0, 0.0)
-    #: Contact angle of tapered rollers, that of the outer raceway [rad]; None for cylindrical ones.
-    contact_angle: float | None = None
+    #: Contact angle of tapered rollers, that of the outer raceway [rad]; 0 for cylindrical ones.
+    contact_angle: float = 0.0
     #: Axial load F_a on the inner ring of tapered rollers [N].
     axial_load: float = 0.0
 
@@ -167,8 +167,6 @@ class LoadCase:
                 f"position and widths must be of the shape of drop, {self.drop.shape}, not {self.position.shape} and "
                 f"{self.widths.shape}"
             )
-        if self.contact_angle is not None and (self.misalignment != 0.0 or self.rings is not None):
-            raise ValueError("tapered rollers have rigid round rings without misalignment here")
         if self.misalignment != 0.0 and self.drop.size == 1:
             raise ValueError(
                 "a misaligned ring loads rollers unevenly along their length: use more than one slice"
@@ -183,19 +181,27 @@ class LoadCase:
     def pull(self) -> Floats | None:
         """Component of the body force of every roller along its contact [N], (n_positions, Z); None without a force."""
         along, across = self.body_force
-        if not any(self.body_force):
-            return None
-        outward: Floats = along * np.cos(self.psi) + across * np.sin(self.psi)
-        return outward if self.contact_angle is None else outward / np.cos(self.contact_angle)
+        return (
+            (along * np.cos(self.psi) + across * np.sin(self.psi)) / np.cos(self.contact_angle)
+            if any(self.body_force)
+            else None
+        )
 
     @property
-    def directions(self) -> Floats:
-        """Movement of the gap of a roller by each unknown of rigid rings, (n_positions, Z, 2), with taper (..., 3)."""
-        radial = np.stack((np.cos(self.psi), np.sin(self.psi)), axis=-1)
-        if self.contact_angle is None:
-            return radial
-        along = np.full((*self.psi.shape, 1), np.sin(self.contact_angle))
-        return np.concatenate((np.cos(self.contact_angle) * radial, along), axis=-1)
+    def directions(self) -> tuple[Floats, ...]:
+        """Change of the gap of each roller with each displacement of the ring [1], (n_positions, Z) each."""
+        return (
+            self._tapered_directions()
+            if self.contact_angle > 0.0
+            else (np.cos(self.psi), np.sin(self.psi))
+        )
+
+    def _tapered_directions(self) -> tuple[Floats, ...]:
+        if self.misalignment != 0.0 or self.rings is not None:
+            raise ValueError("tapered rollers have rigid round rings without misalignment here")
+        cosine = np.cos(self.contact_angle)
+        sine = np.full(self.psi.shape, np.sin(self.contact_angle))
+        return cosine * np.cos(self.psi), cosine * np.sin(self.psi), sine
 
 
 @attrs.frozen(eq=False)
@@ -302,18 +308,15 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     """
     n_positions, rollers = case.psi.shape
     if (rings := case.rings) is None:
-        # the axial displacement is an unknown of the outer ring: its balance is that of the outer contacts
-        direction = case.directions
-        unknowns = direction.shape[-1]
-        shapes = unknowns - 2
         split = 2
         reach = 0.0
+        # an axial displacement is an unknown of the outer ring: its balance is that of the outer contacts
+        direction = np.stack(case.directions, axis=-1)
         form = np.zeros(case.psi.shape)
-        applied = np.array([case.radial_load, 0.0, case.axial_load])[:unknowns]
-        ring_stiffness = np.zeros(unknowns)
-        stops = np.zeros((0, unknowns + 2))
+        applied = np.array([case.radial_load, 0.0, case.axial_load])[: direction.shape[-1]]
+        ring_stiffness = np.zeros(applied.size)
+        stops = np.zeros((0, applied.size + 2))
     else:
-        shapes = rings.parity.size
         split = 2 + rings.inner.stiffness.size
         direction = rings.directions(case.psi)
         form = rings.form(case.psi)
@@ -340,7 +343,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     balance = {
         "load": np.empty((2, n_positions, rollers, slices)),
         "force": np.empty((2, n_positions, rollers)),
-        "ring": np.empty((n_positions, 2 + shapes)),
+        "ring": np.empty((n_positions, applied.size)),
         "residual": np.empty((n_positions, 2)),
         "shift": np.empty((n_positions, rollers)),
         "tip": np.empty((n_positions, rollers)),
@@ -364,9 +367,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         ring_stiffness=ring_stiffness,
         stops=stops,
         outer=split,
-        centrifugal=np.full(
-            n_positions, case.centrifugal_force / np.cos(case.contact_angle or 0.0)
-        ),
+        centrifugal=np.full(n_positions, case.centrifugal_force / np.cos(case.contact_angle)),
         reach=abs(case.radial_clearance)
         + float(np.ptp(case.drop))
         + case.roller_length * abs(case.misalignment)
@@ -397,11 +398,6 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         )
     inner_load, outer_load = balance["load"]
     inner_force, outer_force = balance["force"]
-    others = balance["ring"][:, 2:].copy()
-    axial = np.zeros(n_positions)
-    if case.contact_angle is not None:
-        axial = others[:, 0]
-        others = others[:, 1:]
     return LoadDistribution(
         psi=case.psi,
         position=case.position,
@@ -410,8 +406,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         inner_force=inner_force,
         outer_force=outer_force,
         displacement=balance["ring"][:, :2].copy(),
-        deflection=others,
-        axial_displacement=axial,
+        deflection=balance["ring"][:, 2 + (case.contact_angle > 0.0) :].copy(),
+        axial_displacement=balance["ring"][:, 2 : 2 + (case.contact_angle > 0.0)].sum(axis=1),
         roller_shift=balance["shift"],
         roller_tilt=balance["tip"] / half_length,
         moment=balance["moment"],

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from rollslip.errors import DomainError
 from rollslip.search import Array
-from rollslip.taper import CYLINDRICAL, ContactAngles
 from rollslip.units import format_quantity
 
 
@@ -63,8 +62,9 @@ class Kinematics:
     roller_radius: float = attrs.field(validator=_length)  #: Roller radius r [m].
     inner_speed: float = attrs.field(validator=_speed)  #: Angular speed of the ring w_i [rad/s].
     outer_speed: float = attrs.field(validator=_speed)  #: Angular speed of the ring w_o [rad/s].
-    #: Angles of tapered rollers, whose radii are those at their middle.
-    angles: ContactAngles = CYLINDRICAL
+    #: Cosines of the half angle of a roller and of the contact angles of inner and outer raceway [1]: curvatures of
+    #: cones over those of cylinders. Radii of tapered rollers and their raceways are those at their middle.
+    cosines: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def __attrs_post_init__(self) -> None:
         if self.outer_radius <= max(self.inner_radius, self.roller_radius):
@@ -86,33 +86,32 @@ class Kinematics:
     @cached_property
     def epicyclic_cage_speed(self) -> float:
         """Cage speed w_ce at which both contacts can roll without sliding [rad/s]."""
-        Ri = self.inner_radius
-        Ro = self.outer_radius
-        return self.direction * (Ri * self.inner_speed + Ro * self.outer_speed) / (Ri + Ro)
+        return (
+            self.direction
+            * (self.inner_radius * self.inner_speed + self.outer_radius * self.outer_speed)
+            / (self.inner_radius + self.outer_radius)
+        )
 
     @cached_property
     def epicyclic_roller_speed(self) -> float:
         """Spin w_re of the roller relative to the cage at which both contacts roll without sliding [rad/s]."""
-        Ri = self.inner_radius
-        Ro = self.outer_radius
-        return Ri * Ro / (Ri + Ro) * abs(self.inner_speed - self.outer_speed) / self.roller_radius
+        return (
+            self.inner_radius
+            * self.outer_radius
+            / (self.inner_radius + self.outer_radius)
+            * abs(self.inner_speed - self.outer_speed)
+            / self.roller_radius
+        )
 
     @cached_property
     def inner_equivalent_radius(self) -> float:
         """Equivalent radius of roller and inner raceway, 1/R = cos(half)/r + cos(inner)/R_i [m]."""
-        roller, inner, _ = self._cosines
-        return 1.0 / (roller / self.roller_radius + inner / self.inner_radius)
+        return 1.0 / (self.cosines[0] / self.roller_radius + self.cosines[1] / self.inner_radius)
 
     @cached_property
     def outer_equivalent_radius(self) -> float:
         """Equivalent radius of roller and outer raceway, 1/R = cos(half)/r - cos(outer)/R_o [m]."""
-        roller, _, outer = self._cosines
-        return 1.0 / (roller / self.roller_radius - outer / self.outer_radius)
-
-    @property
-    def _cosines(self) -> tuple[float, float, float]:
-        """Cosines of the half angle of a roller and of both contact angles: curvatures of cones over those of discs."""
-        return math.cos(self.angles.half), math.cos(self.angles.inner), math.cos(self.angles.outer)
+        return 1.0 / (self.cosines[0] / self.roller_radius - self.cosines[2] / self.outer_radius)
 
     @cached_property
     def orbit_radius(self) -> float:
@@ -168,20 +167,25 @@ class Kinematics:
 
     def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Array:
         """Roller slip at which the outer contact rolls without sliding, V_o = 0: S_r = R_o w_ce S_c / (r w_re)."""
-        u = self.roller_radius * self.epicyclic_roller_speed
-        return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)
+        return (
+            self.outer_radius
+            * self._slip_reference()
+            / (self.roller_radius * self.epicyclic_roller_speed)
+            * np.asarray(cage_slip, dtype=float)
+        )
 
     def _slip_reference(self) -> float:
         """Return the epicyclic cage speed [rad/s]; raise where it is zero but for rounding."""
         speed = self.epicyclic_cage_speed
-        Ri = self.inner_radius
-        Ro = self.outer_radius
         # bound of the rounding error of the sum: a smaller speed has no significant digit
         rounding = (
             4.0
             * math.ulp(1.0)
-            * (abs(Ri * self.inner_speed) + abs(Ro * self.outer_speed))
-            / (Ri + Ro)
+            * (
+                abs(self.inner_radius * self.inner_speed)
+                + abs(self.outer_radius * self.outer_speed)
+            )
+            / (self.inner_radius + self.outer_radius)
         )
         if abs(speed) <= rounding:
             raise DomainError(

@@ -25,7 +25,6 @@ __all__ = [
     "unknown_names",
     "with_named_data",
     "with_own_cage",
-    "with_tapered_raceways",
 ]
 
 #: Table that may start from named data -> meaning of such a name.
@@ -90,7 +89,11 @@ def with_named_data(
                     f"{name!r} gives nothing, every value is written out; leave out what it gives"
                 )
             )
-    return complete
+    return (
+        _with_tapered_raceways(raw, complete)
+        if _PITCH in as_table(complete.get("bearing"))
+        else complete
+    )
 
 
 def surface_name(written: str) -> str:
@@ -105,22 +108,15 @@ def surface_name(written: str) -> str:
     )
 
 
-def with_tapered_raceways(
+def _with_tapered_raceways(
     raw: Mapping[str, object], complete: dict[str, object]
 ) -> dict[str, object]:
     """Return a scene with the raceway diameters of a tapered bearing whose pitch diameter is stated.
 
-    Parameters
-    ----------
-    raw : mapping
-        The scene as it is written.
-    complete : dict
-        The scene with named data. What is wrong with its values is reported when they are read.
+    What is wrong with values is reported when they are read.
     """
+    table = as_table(complete.get("bearing"))
     own = as_table(raw.get("bearing"))
-    table = complete.get("bearing")
-    if not isinstance(table, Mapping) or _PITCH not in table:
-        return complete
     if any(key in own for key in _RACEWAYS):
         others = {key: value for key, value in table.items() if key != _PITCH or key in own}
         return {**complete, "bearing": others}

@@ -17,12 +17,7 @@ import attrs
 from rollslip.errors import PluginError, SceneError, UnknownNameError, describe_error, nearest
 from rollslip.files import NO_SCENES, content_of, decoded, readable
 from rollslip.scene.clearance import with_operating_clearance
-from rollslip.scene.named import (
-    unknown_names,
-    with_named_data,
-    with_own_cage,
-    with_tapered_raceways,
-)
+from rollslip.scene.named import unknown_names, with_named_data, with_own_cage
 from rollslip.scene.relations import (
     impossible_relations,
     tapered_problems,
@@ -186,8 +181,7 @@ def checked_scene(
         With every fault of the scene.
     """
     problems = [f"{source}: a text has the character U+0000; remove it"] * has_null(raw)
-    named = with_tapered_raceways(raw, with_named_data(raw, Location(origins), problems))
-    complete = with_own_cage(raw, named)
+    complete = with_own_cage(raw, with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
         scene = attrs.evolve(
@@ -195,7 +189,8 @@ def checked_scene(
         )
         problems += impossible_relations(scene, complete, Location(origins))
         problems += unsupported_axial_load(scene, Location(origins))
-        problems += tapered_problems(scene, Location(origins))
+        if scene.bearing.contact_angle is not None:
+            problems += tapered_problems(scene, Location(origins))
     if scene is None or problems:
         raise SceneError([*problems, *unknown_names(raw, Location(origins))])
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)

@@ -493,7 +493,7 @@ def required_axial_load(scene: Scene) -> float:
 
 
 def tapered_problems(scene: Scene, where: Location) -> list[str]:
-    """Return messages on loads and parts that a tapered bearing cannot have, or only such a bearing has.
+    """Return messages on loads and parts that a tapered bearing cannot have.
 
     Parameters
     ----------
@@ -503,40 +503,33 @@ def tapered_problems(scene: Scene, where: Location) -> list[str]:
         Location of the scene, for messages.
     """
     bearing = scene.bearing
-    is_tapered = bearing.contact_angle is not None
     without_clearance = "an axial load takes up the clearance of a tapered bearing; leave it out"
-    only_tapered = "only read with contact_angle, of a tapered roller bearing"
     refused = [
-        ("bearing.pitch_diameter", bearing.stated_pitch_diameter and not is_tapered, only_tapered),
-        ("bearing.roller_half_angle", bearing.roller_half_angle and not is_tapered, only_tapered),
-    ]
-    if is_tapered:
-        refused += [
-            ("bearing.radial_clearance", bearing.radial_clearance, without_clearance),
-            ("bearing.clearance_class", bearing.clearance_class, without_clearance),
-            ("bearing.mounting", bearing.mounting, without_clearance),
+        ("bearing.radial_clearance", bearing.radial_clearance, without_clearance),
+        ("bearing.clearance_class", bearing.clearance_class, without_clearance),
+        ("bearing.mounting", bearing.mounting, without_clearance),
+        (
+            "bearing.roller_half_angle",
+            bearing.angles.inner <= 0.0,
+            "must be less than half the contact angle, so that the inner raceway is a cone, too",
+        ),
+        ("bearing.pitch_diameter", *_differing_pitch(bearing)),
+        ("operation.misalignment", scene.operation.misalignment, _rigid("the tilt of rings")),
+        *(
             (
-                "bearing.roller_half_angle",
-                bearing.angles.inner <= 0.0,
-                "must be less than half the contact angle, so that the inner raceway is a cone, too",
-            ),
-            ("bearing.pitch_diameter", *_differing_pitch(bearing)),
-            ("operation.misalignment", scene.operation.misalignment, _rigid("the tilt of rings")),
-            *(
-                (
-                    f"models.{ring}_ring",
-                    getattr(scene.models, f"{ring}_ring"),
-                    _rigid("a flexible ring"),
-                )
-                for ring in ("inner", "outer")
-            ),
-            *(
-                (f"bearing.{ring}_raceway.form", raceway and raceway.form, _rigid("a form error"))
-                for ring in ("inner", "outer")
-                for raceway in (getattr(bearing, f"{ring}_raceway"),)
-            ),
-            ("operation.axial_load", *_missing_axial_load(scene)),
-        ]
+                f"models.{ring}_ring",
+                getattr(scene.models, f"{ring}_ring"),
+                _rigid("a flexible ring"),
+            )
+            for ring in ("inner", "outer")
+        ),
+        *(
+            (f"bearing.{ring}_raceway.form", raceway and raceway.form, _rigid("a form error"))
+            for ring in ("inner", "outer")
+            for raceway in (getattr(bearing, f"{ring}_raceway"),)
+        ),
+        ("operation.axial_load", *_missing_axial_load(scene)),
+    ]
     problems = []
     for key, is_refused, reason in refused:
         if is_refused:

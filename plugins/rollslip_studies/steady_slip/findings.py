@@ -128,9 +128,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
     operation = scene.get("operation", {})
     load = stated_load(operation)
-    clearance = scene.get("bearing", {}).get("radial_clearance")
-    if "contact_angle" in scene.get("bearing", {}):
-        clearance = None
+    clearance = _clearance(scene)
     slip = float(state["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
@@ -170,6 +168,12 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
         )
     if "minimum_load" in dataset and not is_heavy:
         yield limit
+
+
+def _clearance(scene: Mapping[str, Any]) -> float | None:
+    """Return the clearance of a resolved scene [m]; None of a tapered bearing, which has none under load."""
+    bearing = scene.get("bearing", {})
+    return None if "contact_angle" in bearing else bearing.get("radial_clearance")
 
 
 def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
