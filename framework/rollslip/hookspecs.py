@@ -19,6 +19,7 @@ HOOKS: Final = {
     "traction_models": "Traction models: classes derived from `rollslip.models.TractionModel`.",
     "pressure_viscosity_laws": "Laws of viscosity under pressure: classes derived from "
     "`rollslip.lubricant.pressure.PressureViscosity`.",
+    "rib_models": "Friction of ribs: classes derived from `rollslip.models.RibModel`.",
     "ring_models": "Models of rings that yield: classes derived from `rollslip.rings.RingModel`.",
     "drag_models": "Drag models: classes derived from one of `rollslip.models.Drag`.",
     "integrator_models": "Integrators: classes derived from `rollslip.models.IntegratorModel`.",

@@ -8,6 +8,9 @@ The framework's module `rollslip.bearing.equilibrium` has the equations and why 
 - Unknowns of the rings are the displacement of the inner one and, of flexible rings, the amplitudes of their shapes. A
   roller feels them as one gap along its direction (cos psi, sin psi, -B_1, ...), so that the Hessian has arrow shape.
   The shift of a roller is measured from its outer raceway in its deformed shape.
+- Ribs that carry an axial load push each roller by a couple. Its axial displacement drops out, because both ribs carry
+  the same force Q: in series they are one contact of the approach s = z - lead - lever x tip, Q = (s/c)^(3/2), with the
+  axial displacement z of the inner ring as a further unknown of the rings. Its slices do not feel z.
 - An iteration (`_move`) takes a step of each roller alone and, once all rollers are near their balance, one of the
   rings with the rollers eliminated onto them. A step that went too far is shortened by Newton's rule along it.
 - A NaN fails every comparison up to the check of the approaches, which ends the iteration.
@@ -17,7 +20,7 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport INFINITY, M_LN10, exp, fabs, log
+from libc.math cimport INFINITY, M_LN10, exp, fabs, log, sqrt
 
 from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
@@ -83,6 +86,11 @@ cdef struct roller_t:
     contact_t contact[2]
     double force[2]           # residual
     double follow[2]          # how far it follows a change of the gap
+    double rib_lead           # axial displacement of the ring at which its ribs touch without tilt
+    double rib_approach
+    double rib_force
+    double rib_stiffness
+    double rib_follow[2]      # how far it follows the axial displacement
     double move[2]
     search_t search
 
@@ -108,6 +116,10 @@ cdef struct bearing_t:
     roller_t *roller
     size_t unknowns        # of the rings: 2 and shapes
     size_t outer           # the first shape of the outer ring
+    size_t axial           # the axial displacement, 0 where there are no ribs
+    bint flexible          # whether there are shapes
+    double rib_compliance  # of both ribs in series [m/N^(2/3)]
+    double rib_lever       # of their couple over half the roller's length
     size_t stops           # one-sided stop_memory
     const double *applied  # load and forces on the unknowns
     const double *ring_stiffness    # stiffness of each
@@ -132,6 +144,7 @@ def solve(
     const double[::1] xi, const double[::1] drop, const double[:, ::1] weights, double length, double clearance,
     double rise, const double[::1] given, const double[::1] ring_stiffness, const double[:, ::1] stops, size_t outer,
     const double[::1] centrifugal, double reach, dict found: dict[str, Array], const double[:, ::1] pull=None,
+    ribs: tuple[float, float] | None = None, const double[:, ::1] rib_lead=None,
 ) -> Literal["", "inner", "outer", "range"]:
     """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
 
@@ -171,6 +184,11 @@ def solve(
         (M,), the number of iterations.
     pull : (M, Z), optional
         What else acts on each roller outwards [N].
+    ribs : (float, float), optional
+        Compliance of both ribs of a roller in series [m/N^(2/3)], and the lever of their couple over half the roller's
+        length. With them the third unknown of the rings is the axial displacement.
+    rib_lead : (M, Z), optional
+        Axial displacement at which the ribs of a roller touch, by the tilt of the ring [m].
     """
     cdef Py_ssize_t n_instants = direction.shape[0]
     cdef Py_ssize_t Z = direction.shape[1]
@@ -193,6 +211,7 @@ def solve(
     cdef double[:, ::1] shifts = found["shift"]
     cdef double[:, ::1] tips = found["tip"]
     cdef double[::1] moments = found["moment"]
+    cdef double[:, ::1] rib_forces = found["rib"]
     cdef double[::1] passes = found["passes"]
     cdef double nearest = 1.0
     cdef double min_drop = INFINITY
@@ -213,6 +232,15 @@ def solve(
         raise ValueError("forces must be those on all rollers at all instants")
     if not (weights.shape[1] == drop.shape[0] == h <= n <= 2 * h):
         raise ValueError(f"{drop.shape[0]} drops, {weights.shape[1]} weights for {h} of {n} slices")
+    if ribs is not None and not (u >= 3 and outer >= 3 and rib_lead is not None):
+        raise ValueError("ribs need an axial displacement as the third unknown, and leads")
+    if ribs is not None and (rib_lead.shape[0] != n_instants or rib_lead.shape[1] != Z):
+        raise ValueError("leads must be those of all rollers at all instants")
+    b.axial = 0
+    if ribs is not None:
+        b.axial = 2
+        b.rib_compliance, b.rib_lever = ribs
+    b.flexible = u > 2 + (b.axial > 0)
     gathered = []
     for ring in range(2):
         if len(tables[ring]) < max(Z * h, N_SAMPLES):
@@ -271,6 +299,7 @@ def solve(
                     continues = continues and direction[m, j, i] == direction[m - 1, j, i]
                 b.roller[j].direction = &direction[m, j, 0]
                 b.roller[j].form = form[m, j]
+                b.roller[j].rib_lead = rib_lead[m, j] if b.axial else 0.0
                 b.roller[j].outward = centrifugal[m] + (pull[m, j] if pull is not None else 0.0)
                 largest = max(largest, fabs(b.roller[j].outward))
             if continues:
@@ -295,6 +324,7 @@ def solve(
                 shifts[m, j] = r.position[0]
                 tips[m, j] = r.position[1]
                 moments[m] += 0.5 * length * r.contact[INNER].force[1] * r.direction[0]
+                rib_forces[m, j] = r.rib_force
             for ring in range(2):
                 load = b.table[ring].load
                 for j in range(Z):
@@ -348,6 +378,11 @@ cdef double _estimate_approach(const bearing_t *b, double force) noexcept nogil:
                 high = middle
         x = low + (x - b.log_load[low]) / (b.log_load[high] - b.log_load[low])
     return exp(M_LN10 * (0.5 * x - 24.0))
+
+
+cdef inline double _rib_approach(const bearing_t *b, double force) noexcept nogil:
+    """Approach of both ribs of a roller at a force."""
+    return b.rib_compliance * exp(log(force) * 2.0 / 3.0) if force > 0.0 else 0.0
 
 
 cdef int _evaluate_law(bearing_t *b, int ring, size_t n) noexcept nogil:
@@ -407,6 +442,10 @@ cdef void _start_afresh(bearing_t *b, double depth) noexcept nogil:
     for i in range(b.unknowns):
         b.position[i] = b.step[i] = 0.0
     b.position[0] = depth
+    if b.axial:   # all ribs at once
+        b.position[b.axial] = _rib_approach(b, b.applied[b.axial] / b.rollers)
+        for j in range(b.rollers):
+            b.position[b.axial] += b.roller[j].rib_lead / b.rollers
     b.initial_slope = INFINITY
     b.fraction = 0.0
     for j in range(b.rollers):
@@ -529,6 +568,9 @@ cdef int _evaluate_forces(bearing_t *b) noexcept nogil:
         r.force[1] = r.contact[INNER].force[1] - r.contact[OUTER].force[1]
         for i in range(b.outer):
             b.force[i] -= r.contact[INNER].force[0] * r.direction[i]
+        if b.axial:
+            _evaluate_rib(b, r)
+            largest = _larger_or_nan(largest, r.rib_force)
         for i in range(b.outer, u):
             b.force[i] -= (r.contact[INNER].force[0] + r.outward) * r.direction[i]
     for j in range(b.stops):
@@ -544,6 +586,17 @@ cdef int _evaluate_forces(bearing_t *b) noexcept nogil:
         b.min_scale = max(largest, SMALLEST)
     b.scale = _larger_or_nan(largest, b.min_scale)
     return CONVERGED
+
+
+cdef inline void _evaluate_rib(bearing_t *b, roller_t *r) noexcept nogil:
+    """Evaluate the ribs of a roller, and add them to its moment and to the force on the ring."""
+    cdef double x = (b.position[b.axial] - r.rib_lead) - b.rib_lever * r.position[1]
+    cdef double ratio = x / b.rib_compliance if x > 0.0 else 0.0
+    r.rib_approach = x
+    r.rib_force = ratio * sqrt(ratio)
+    r.rib_stiffness = 1.5 * sqrt(ratio) / b.rib_compliance
+    r.force[1] += b.rib_lever * r.rib_force
+    b.force[b.axial] -= r.rib_force
 
 
 cdef void _residuals(const bearing_t *b, double *residual) noexcept nogil:
@@ -594,14 +647,22 @@ cdef inline void _begin_step(
 
 
 cdef double _allowed_fraction(
-    const bearing_t *b, size_t j, double gap, const double *step, double depth
+    const bearing_t *b, size_t j, double gap, double axial, const double *step, double depth, double rib_depth
 ) noexcept nogil:
-    """Fraction of a step of a roller, and of the rings by ``gap``, that closes no contact deeper than ``depth``."""
+    """Fraction of a step of a roller, and of the rings by ``gap`` and ``axial``, that closes no contact too deep.
+
+    Slices may close as deep as ``depth``, ribs as ``rib_depth``.
+    """
     cdef const double *inner = b.approach[INNER] + j * b.slices
     cdef const double *outer = b.approach[OUTER] + j * b.slices
     cdef double fraction = 1.0
     cdef double outward, inward
     cdef size_t i
+    if b.axial:
+        inward = axial - b.rib_lever * step[1]
+        outward = b.roller[j].rib_approach
+        if outward < 0.0 and outward + inward > rib_depth:
+            fraction = (rib_depth - outward) / inward
     for i in range(b.slices):
         outward = step[0] + step[1] * b.xi[i]
         inward = gap - outward
@@ -669,6 +730,8 @@ cdef void _begin_ring_step(bearing_t *b, double depth) noexcept nogil:
     cdef double fraction = 1.0
     cdef double depth_limit = 0.0
     cdef double longest = b.max_move
+    cdef double axial = 0.0
+    cdef double rib_depth = 0.0
     cdef double gap
     cdef size_t i, j, u = b.unknowns
     cdef roller_t *r
@@ -681,13 +744,16 @@ cdef void _begin_ring_step(bearing_t *b, double depth) noexcept nogil:
         return
     for i in range(u):
         depth_limit = _larger_or_nan(depth_limit, fabs(b.condensed[i]))
+    if b.axial:
+        rib_depth = depth * _rib_approach(b, depth_limit)
+        axial = b.step[b.axial]
     depth_limit = depth * _estimate_approach(b, depth_limit)
     for j in range(b.rollers):
         r = &b.roller[j]
         gap = _gap_change(u, r.direction, b.step)
-        follow[0] = r.follow[0] * gap
-        follow[1] = r.follow[1] * gap
-        fraction = min(fraction, _allowed_fraction(b, j, gap, follow, depth_limit))
+        follow[0] = r.follow[0] * gap + r.rib_follow[0] * axial
+        follow[1] = r.follow[1] * gap + r.rib_follow[1] * axial
+        fraction = min(fraction, _allowed_fraction(b, j, gap, axial, follow, depth_limit, rib_depth))
     for i in range(u):
         longest = max(longest, fabs(b.step[i]))
     fraction = min(fraction, b.max_move / longest)
@@ -705,8 +771,10 @@ cdef void _move(bearing_t *b, double depth) noexcept nogil:
     """Move each roller by a step of its own, and the rings, which they follow, if all are near their balance."""
     cdef double stiffest = b.stiffness
     cdef double open_stiffness, own, unbalanced, passed_force, series_stiffness, part
-    cdef double fraction, gap, shift, tip, outward
+    cdef double fraction, gap, shift, tip, outward, coupling, slice_determinant
     cdef double ring_residual = 0.0
+    cdef double axial = 0.0
+    cdef double rib_depth = 0.0
     cdef double *ki
     cdef double *ko
     cdef double k[3]
@@ -726,7 +794,7 @@ cdef void _move(bearing_t *b, double depth) noexcept nogil:
         b.condensed[i] = b.force[i]
         for m in range(i, u):
             b.hessian[i * u + m] = 0.0
-        b.hessian[i * u + i] = (OPEN_STIFFNESS if u == 2 else FREE_RING_STIFFNESS) * stiffest + b.ring_stiffness[i]
+        b.hessian[i * u + i] = (FREE_RING_STIFFNESS if b.flexible else OPEN_STIFFNESS) * stiffest + b.ring_stiffness[i]
     for j in range(b.stops):
         if b.stop_depth[j] > 0.0:
             for i in range(u):
@@ -744,21 +812,36 @@ cdef void _move(bearing_t *b, double depth) noexcept nogil:
         ko[2] += open_stiffness
         for i in range(3):
             k[i] = ki[i] + ko[i]
+        slice_determinant = k[0] * k[2] - k[1] * k[1]
+        coupling = b.rib_lever * r.rib_stiffness if b.axial else 0.0
+        k[2] += b.rib_lever * coupling if b.axial else 0.0
         # near enough to its balance to move the rings: relative to its own forces, or to the residual of the rings
         own = max(max(r.contact[INNER].force[0], r.contact[OUTER].force[0]), fabs(r.outward))
+        if b.axial:
+            own = max(own, r.rib_force)
         unbalanced = _larger_or_nan(fabs(r.force[0]), fabs(r.force[1]))
         is_near = unbalanced <= max(MAX_ROLLER_RESIDUAL * max(own, ring_residual), TOLERANCE * b.scale)
         all_near = all_near and is_near
         if is_near or not _shorten_step(&r.search, r.force, k, r.move):
             _solve_two(k, r.force, step)
-            fraction = _allowed_fraction(b, j, 0.0, step, depth * _estimate_approach(b, unbalanced))
+            if b.axial:
+                rib_depth = depth * _rib_approach(b, unbalanced)
+            fraction = _allowed_fraction(b, j, 0.0, 0.0, step, depth * _estimate_approach(b, unbalanced), rib_depth)
             _begin_step(&r.search, r.force, step, _limited_fraction(b.max_move, fraction, step), r.move)
         # the roller is eliminated onto the rings: how it follows them, the force that it passes on, and the stiffness
         # of its contacts in series, [ki (ki + ko)^-1 ko]_00, in which nothing cancels
         _solve_two(k, ki, r.follow)
         passed_force = r.follow[0] * r.force[0] + r.follow[1] * r.force[1]
         series_stiffness = r.follow[0] * ko[0] + r.follow[1] * ko[1]
-        if u > 2 and not r.contact[INNER].force[0] > 0.0:
+        if b.axial:   # the ribs in series with the slices, as det(slices)/det(both), in which nothing cancels either
+            r.rib_follow[0] = -k[1] * coupling / (k[0] * k[2] - k[1] * k[1])
+            r.rib_follow[1] = k[0] * coupling / (k[0] * k[2] - k[1] * k[1])
+            b.condensed[b.axial] += r.rib_follow[0] * r.force[0] + r.rib_follow[1] * r.force[1]
+            b.hessian[b.axial * u + b.axial] += r.rib_stiffness * slice_determinant / (k[0] * k[2] - k[1] * k[1])
+            for i in range(u):
+                part = -r.follow[1] * coupling * r.direction[i]
+                b.hessian[min(i, b.axial) * u + max(i, b.axial)] += part
+        if b.flexible and not r.contact[INNER].force[0] > 0.0:
             continue   # the stiffness of the shapes exceeds that of an open contact
         for i in range(u):
             b.condensed[i] += passed_force * r.direction[i]
@@ -770,13 +853,15 @@ cdef void _move(bearing_t *b, double depth) noexcept nogil:
         _begin_ring_step(b, depth)
     for i in range(u):
         b.position[i] += b.move[i]
+    if b.axial:
+        axial = b.move[b.axial]
     for j in range(b.rollers):
         r = &b.roller[j]
         gap = _gap_change(u, r.direction, b.move)
         if all_near:
             r.search.initial_slope = INFINITY   # it was moved otherwise
-        shift = r.move[0] + r.follow[0] * gap
-        tip = r.move[1] + r.follow[1] * gap
+        shift = r.move[0] + r.follow[0] * gap + r.rib_follow[0] * axial
+        tip = r.move[1] + r.follow[1] * gap + r.rib_follow[1] * axial
         r.position[0] += shift
         r.position[1] += tip
         for i in range(h):

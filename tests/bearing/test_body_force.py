@@ -136,7 +136,7 @@ def test_over_a_pitch_half_is_solved_only_if_the_other_mirrors_it():
         every = solve_equilibrium(one, (LAW, LAW))
         pitch = solve_pitch(one, (LAW, LAW))
         assert pitch.outer_force == pytest.approx(every.outer_force, rel=1e-9, abs=1e-7)
-        inner, _ = solve_orbits(one, (LAW, LAW), np.array([60.0, 30.0]))
+        inner, *_ = solve_orbits(one, (LAW, LAW), np.array([60.0, 30.0]))
         assert inner.shape[1] == (3 if body[1] == 0.0 else 4)
         assert inner[0, :3] == pytest.approx(every.inner_load[:3], rel=1e-8, abs=1e-4)
 

@@ -430,7 +430,7 @@ def test_orbits_at_many_speeds_are_those_of_each(Z, n_positions, changes):
     given = case(Z=Z, n_positions=n_positions, **changes)
     law = iso16281()
     for name, part in zip(
-        ("inner_load", "outer_load"), solve_orbits(given, law, forces), strict=True
+        ("inner_load", "outer_load", "rib_force"), solve_orbits(given, law, forces), strict=True
     ):
         every = over_pitch(part, n_positions)
         for force, found in zip(forces, every, strict=True):

@@ -34,12 +34,20 @@ from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_pos
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated, slicing
+from rollslip.bearing.ribs import RibPair, rib_pair
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
-from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, TractionModel
+from rollslip.models import (
+    ContactModel,
+    FilmModel,
+    PressureModel,
+    RibModel,
+    SliceModel,
+    TractionModel,
+)
 from rollslip.rings import Rings
 from rollslip.scene.oil import check_given, members, unused_constants
 from rollslip.scene.rings import rings_of
@@ -80,6 +88,8 @@ class Assembly:
     drop: Array
     inner: Raceway
     outer: Raceway
+    #: Friction of the ribs; None without axial load.
+    rib: RibModel | None = None
     #: Flexible rings and forms of raceways; None where both are rigid and round.
     rings: Rings | None = None
     #: Coarse load distributions, and results that depend on these alone (`cached_by_loads`). All assemblies with the
@@ -341,6 +351,23 @@ class Assembly:
         """Radial clearance less the gaps at which contacts begin to carry, on both sides of the bearing [m]."""
         return self.scene.bearing.radial_clearance - 2.0 * (self.inner.gap + self.outer.gap)
 
+    @property
+    def ribs(self) -> RibPair | None:
+        """The ribs that carry the axial load; None without such a load."""
+        moduli = self.inner.conditions.modulus, self.outer.conditions.modulus
+        return rib_pair(self.scene, self.kinematics, moduli)
+
+    @property
+    def rib_conditions(self) -> tuple[Conditions, Conditions]:
+        """Oil, steel and geometry of the contacts of roller ends with inner and outer rib, under axial load."""
+        pair = self.ribs
+        assert pair is not None
+        inner, outer = (
+            attrs.evolve(raceway.conditions, radius=pair.end_radius, length=pair.height)
+            for raceway in self.raceways
+        )
+        return inner, outer
+
     def load_case(self, n_positions: int, centrifugal_force: float = 0.0) -> LoadCase:
         """Return the input of the equilibrium at positions over one pitch, with a centrifugal force per roller [N]."""
         b = self.scene.bearing
@@ -359,6 +386,7 @@ class Assembly:
             body_force=self.body_force,
             contact_angle=b.contact_angle or 0.0,
             axial_load=o.axial_load or 0.0,
+            ribs=self.ribs,
         )
 
     @cached_property
@@ -462,6 +490,7 @@ def assemble(
     problems: list[str] = []
     lubricant = _lubricant(scene, where, problems)
     models = _structure_models(scene, lubricant, where, problems)
+    rib = _rib_friction(scene, where.at("models").at("rib"), problems)
     rings = rings_of(
         scene,
         lambda choice, at: structure_model(
@@ -517,6 +546,7 @@ def assemble(
         drop=drop,
         inner=inner,
         outer=outer,
+        rib=rib,
         rings=rings.image if rings and kinematics.direction < 0.0 else rings,
         load_cache=load_cache,
         **models,
@@ -547,6 +577,16 @@ def _structure_models(
         for k, choice in enumerate(getattr(choices, kind) or ()):
             constructed(kind, choice, named.at(kind).at(k))
     return models
+
+
+def _rib_friction(scene: Scene, where: Location, problems: list[str]) -> RibModel | None:
+    """Return the friction of the ribs of a scene; None without axial load."""
+    if scene.models.rib is None and not scene.operation.axial_load:
+        return None
+    choice = scene.models.rib_friction
+    table = {"model": choice.name, **choice.parameters}
+    model: RibModel | None = structure_model("rib", table, where, problems)
+    return model if scene.operation.axial_load else None
 
 
 def _bind_models(

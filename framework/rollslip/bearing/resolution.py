@@ -223,10 +223,19 @@ class LeftOut(abc.ABC):
         """Return a resolution that includes the effect."""
 
 
+def tilting(scene: Scene) -> str:
+    """Return what loads the contacts of a scene unevenly apart from the profile; empty where nothing does."""
+    causes = {
+        "the misalignment": scene.operation.misalignment != 0.0,
+        "the axial load": bool(scene.operation.axial_load),
+    }
+    return " and ".join(cause for cause, holds in causes.items() if holds)
+
+
 def slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
     """Return positions, widths and profile of the slices [m], (n,) each; a single slice where the load is uniform."""
     b = scene.bearing
-    if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
+    if b.profile.shape == "none" and not tilting(scene):
         return np.zeros(1), np.full(1, b.roller_length), np.zeros(1)
     position, widths = resolution.slicing(b.roller_length)
     drop = profile_drop(

@@ -6,7 +6,7 @@ from rollslip.catalogue.kinds import Kind, Template
 from rollslip.datasets import BearingData, SceneData
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import ContactModel, Drag, FilmModel, PressureModel, TractionModel
+from rollslip.models import ContactModel, Drag, FilmModel, PressureModel, RibModel, TractionModel
 from rollslip.rings import RingModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
@@ -79,6 +79,7 @@ DRAG: Final = _law(
         compiled=True,
     ),
 )
+RIB: Final = Kind(name="rib", hook="rib_models", base=RibModel)
 RING: Final = Kind(name="ring", hook="ring_models", base=RingModel)
 LUBRICANT: Final = _data(
     "lubricant",

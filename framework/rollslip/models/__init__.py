@@ -10,6 +10,7 @@ from rollslip.models.domains import (
     in_unit,
     interval,
 )
+from rollslip.models.ribs import RibContact, RibModel
 from rollslip.models.scene_values import SCENE_VALUES, from_scene, left_to_scene
 from rollslip.models.stages import (
     ContactModel,
@@ -38,6 +39,6 @@ from rollslip.references import ReferenceValue
 __all__ = [
     "FINITE", "ISOTHERMAL", "MEAN_PRESSURE", "NON_NEGATIVE", "NO_LIMITS", "POSITIVE", "SCENE_VALUES", "SMOOTH",
     "ContactModel", "Domain", "Drag", "DragModel", "FilmModel", "IntegratorModel", "PocketFriction", "PressureModel",
-    "ReferenceValue", "ResistanceModel", "SliceModel", "Tabled", "TractionModel", "Validity", "common_domain",
-    "evaluate_arrays", "from_scene", "in_regime", "in_unit", "interval", "left_to_scene", "submodel",
+    "ReferenceValue", "ResistanceModel", "RibContact", "RibModel", "SliceModel", "Tabled", "TractionModel", "Validity",
+    "common_domain", "evaluate_arrays", "from_scene", "in_regime", "in_unit", "interval", "left_to_scene", "submodel",
 ]  # fmt: skip

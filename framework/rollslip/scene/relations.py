@@ -466,7 +466,7 @@ def unsupported_axial_load(scene: Scene, where: Location) -> list[str]:
     load = format_quantity(scene.operation.axial_load, "N")
     text = (
         f"nothing in this bearing carries {load} along its axis: types NU, N, RNU and needle roller bearings have no "
-        "ribs on opposite sides of both rings; leave it out, or set it to 0"
+        "ribs on opposite sides of both rings; take a type NJ or NUP, state bearing.ribs, or leave it out"
     )
     return [where.at("operation").at("axial_load").message(text)]
 

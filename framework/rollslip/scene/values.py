@@ -262,6 +262,10 @@ class Models:
         doc="what separates the rollers: cage, or none for a full complement; by default what the bearing's name says, "
         "else a cage",
     )
+    rib: ModelChoice | None = field(
+        default=None,
+        doc="friction of the ribs that carry an axial load; by default open-film, read with such a load alone",
+    )
     inner_ring: ModelChoice | None = field(
         default=None, doc="how the inner ring yields on its shaft; by default it is rigid"
     )
@@ -291,6 +295,11 @@ class Models:
     )
 
     @property
+    def rib_friction(self) -> ModelChoice:
+        """The friction of ribs, by default that of an open rib with a film."""
+        return ModelChoice(name=DEFAULT_RIB) if self.rib is None else self.rib
+
+    @property
     def neighbour_friction(self) -> float | None:
         """Friction coefficient of rollers against their neighbours; None where a cage is between them."""
         if self.separator is None or self.separator.name == "cage":
@@ -298,6 +307,8 @@ class Models:
         return 0.1 if self.separator.coefficient is None else self.separator.coefficient
 
 
+#: Friction of ribs where ``models.rib`` names none.
+DEFAULT_RIB: Final = "open-film"
 #: Drags on rollers and cage where ``cage.drag`` names none.
 DEFAULT_DRAGS: Final = ("rolling-resistance", "hysteresis", "churning")
 #: Drag that acts by default in addition where the land of a ring guides the cage.

@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.resolution import Errors
+from rollslip.bearing.resolution import Errors, tilting
 from rollslip.errors import RollslipError
 from rollslip.scene.rings import ring_flexibility
 from rollslip.studies.answers import Part, ResolutionChoice
@@ -45,7 +45,7 @@ def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
         )
     uneven = " and ".join(
         ["the profile"] * (bearing.profile.shape != "none")
-        + ["the misalignment"] * (scene.operation.misalignment != 0.0)
+        + [tilting(scene)] * bool(tilting(scene))
     )
     points = "equal slices" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
     if scene.accuracy.slices is not None:

@@ -32,7 +32,7 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport NAN, exp, fabs, sqrt
+from libc.math cimport NAN, asinh, exp, fabs, sqrt
 from libc.string cimport memcpy
 
 from rollslip_abi cimport ROLLSLIP_MODEL, ROLLSLIP_N_PLACES as N_PLACES, rs_model, rs_slices
@@ -155,6 +155,8 @@ cdef double MAX_ROW_CHANGE = 0.05
 #: Of a chain: stage, table, load, force, width, first, resists; of a curve: nodes, limits, scale, force, resistance.
 Ring: TypeAlias = "tuple[object, Slices, Array, Array, Array, NDArray[np.intp], bool]"
 Curve: TypeAlias = "tuple[Array, tuple[float, float], float, Array, Array]"
+#: Of the ribs of both rings: curves, leads, linear speed and limit of their abscissa, height.
+Ribs: TypeAlias = "tuple[Array, Array, float, float, float]"
 
 #: Step of the roller slip for difference quotients of torques.
 DIFFERENTIATION_STEP: float = DIFFERENCE_STEP
@@ -225,6 +227,9 @@ cdef class Spin:
         Coefficient of friction in a pocket.
     brakes
         Moments [N m], (K,), of neighbours against the spin.
+    ribs
+        Under axial load: friction and slope per step at nodes of asinh(V/V_s) (2, K, n, 2) [N], sliding speeds without
+        roller slip (2, K) [m/s], V_s [m/s], the limit of that abscissa, and the height of the contacts [m].
     """
 
     cdef ring_t rings[2]
@@ -237,6 +242,12 @@ cdef class Spin:
     cdef double min_film_speed
     cdef double pocket
     cdef const double *brakes     # or NULL
+    cdef const double *rib_curves  # (2, K, cells + 1, 2), or NULL
+    cdef const double *rib_leads   # (2, K)
+    cdef Py_ssize_t rib_cells
+    cdef double rib_linear_speed
+    cdef double rib_limit
+    cdef double rib_height
     cdef double largest_traction  # of the last evaluation [N]
     cdef bint calls_python        # for forces
     cdef object python_forces     # that function, or None
@@ -248,7 +259,7 @@ cdef class Spin:
     def __init__(
         self, Py_ssize_t rollers, rings: Sequence[Ring | Curve] | Callable[[Array], tuple[Array, Array]],
         radii: tuple[float, float, float, float], double rolling, double min_film_speed=0.0, double pocket=0.0,
-        const double[::1] brakes=None,
+        const double[::1] brakes=None, ribs: Ribs | None = None,
     ):
         cdef int which
         if rollers < 1:
@@ -266,6 +277,8 @@ cdef class Spin:
             self._check_size(brakes)
             self.kept_alive.append(brakes)
             self.brakes = &brakes[0]
+        if ribs is not None:
+            self._take_ribs(*ribs)
         for which in range(2):
             self.rings[which].lead = &self.memory[which, 0]
             self.rings[which].traction = &self.memory[2 + which, 0]
@@ -279,6 +292,35 @@ cdef class Spin:
                 self._take_curve(which, *rings[which])
             else:
                 self._take_chain(which, *rings[which])
+
+    def _take_ribs(
+        self, const double[:, :, :, ::1] curves, const double[:, ::1] leads, double linear_speed, double limit,
+        double height,
+    ) -> None:
+        """Take the friction curves of the ribs of both rings."""
+        if not curves.shape[0] == leads.shape[0] == curves.shape[3] == 2 or curves.shape[2] < 2 or (
+                not curves.shape[1] == leads.shape[1] == self.rollers):
+            raise ValueError(f"curves (2, {self.rollers}, n, 2) and leads (2, {self.rollers}) of ribs are expected")
+        self.kept_alive.append((curves, leads))
+        self.rib_curves = &curves[0, 0, 0, 0]
+        self.rib_leads = &leads[0, 0]
+        self.rib_cells = curves.shape[2] - 1
+        self.rib_linear_speed = linear_speed
+        self.rib_limit = limit
+        self.rib_height = height
+
+    def rib_forces(self, const double[::1] slip) -> Array:
+        """Return the friction forces of both ribs [N], (2, K), at roller slips (K,)."""
+        forces = np.zeros((2, self.rollers))
+        cdef double[:, ::1] out = forces
+        cdef Py_ssize_t k
+        cdef int which
+        self._check_size(slip)
+        if self.rib_curves != NULL:
+            for which in range(2):
+                for k in range(self.rollers):
+                    out[which, k] = self._rib_force(which, k, slip[k])
+        return forces
 
     def _take_curve(
         self, int which, const double[:, ::1] nodes, limits: tuple[float, float], double scale,
@@ -1071,14 +1113,31 @@ cdef class Spin:
         return self.rolling + (0.5 * (self.rings[which].lead[k] - spin) if which == INNER else
                                -0.5 * (self.rings[which].lead[k] + spin))
 
+    cdef inline double _rib_force(self, int which, Py_ssize_t k, double slip) noexcept nogil:
+        """Friction of a rib on the roller at a position, by cubics of Hermite; beyond the curve it is constant."""
+        cdef double spin = self.rolling * (1.0 - self.rib_height / self.roller_radius) * slip
+        cdef double lead = self.rib_leads[which * self.rollers + k]
+        cdef double x = asinh((lead + spin if which == INNER else lead - spin) / self.rib_linear_speed)
+        cdef double t = (min(max(x, -self.rib_limit), self.rib_limit) / self.rib_limit + 1.0) * 0.5 * self.rib_cells
+        cdef Py_ssize_t cell = min(<Py_ssize_t>t, self.rib_cells - 1)
+        cdef const double *node = self.rib_curves + 2 * ((which * self.rollers + k) * (self.rib_cells + 1) + cell)
+        t -= cell
+        return _hermite(node, t)
+
     cdef inline void _torque(self, Py_ssize_t k, double slip, double inner, double outer, double inner_resistance,
                              double outer_resistance, double *spin, double *cage) noexcept nogil:
         """Torques of the roller at a position on its spin, G, and on the cage [N m]."""
-        cdef double friction
+        cdef double friction, inner_rib, outer_rib
         cdef double along = (
             self.inner_radius * (inner + inner_resistance) + self.outer_radius * (outer - outer_resistance))
         cdef double sliding = self.rolling * (1.0 - slip)
         spin[0] = self.roller_radius * (inner - inner_resistance - outer - outer_resistance)
+        if self.rib_curves != NULL:
+            inner_rib = self._rib_force(INNER, k, slip)
+            outer_rib = self._rib_force(OUTER, k, slip)
+            along += (self.inner_radius + self.rib_height) * inner_rib
+            along += (self.outer_radius - self.rib_height) * outer_rib
+            spin[0] += (self.roller_radius - self.rib_height) * (inner_rib - outer_rib)
         if self.pocket > 0.0:
             friction = self.pocket * self.roller_radius / self.orbit_radius * fabs(spin[0] + along)
             spin[0] -= friction * sliding / _length(sliding, POCKET_TRANSITION_SPEED)
@@ -1432,6 +1491,11 @@ cdef double _friction_of_curve(const ring_t *ring, double sliding) noexcept nogi
     cdef Py_ssize_t k = min(<Py_ssize_t>t, ring.cells - 1)
     cdef const double *node = &ring.nodes[2 * k]
     t -= k
+    return _hermite(node, t)
+
+
+cdef inline double _hermite(const double *node, double t) noexcept nogil:
+    """Cubic of Hermite between two nodes, each a value and a slope per cell."""
     return ((1.0 + 2.0 * t) * node[0] + t * node[1]) * (1.0 - t) * (1.0 - t) + (
         (3.0 - 2.0 * t) * node[2] - (1.0 - t) * node[3]) * t * t
 

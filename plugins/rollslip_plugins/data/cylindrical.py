@@ -8,7 +8,8 @@
   and whose rollers follow from the static rating by ISO 76, the lengths off the printed ratings of two makers;
   ``docs/scripts/bearing_catalogue.py`` holds them against these, and ``docs/tables/bearing_catalogue.csv`` has the
   errors. The diameter is rounded to one of GOST 22696, above 50 mm to one of the steps that would follow.
-- Types NU, NJ, NUP and N of a series differ in their ribs alone, and have the same rollers here.
+- Types NU, NJ, NUP and N of a series differ in their ribs alone, and have the same rollers here. NJ and NUP have ribs
+  on opposite sides of both rings; their contacts with rollers are estimated (D): `rollslip.datasets.RIB_HEIGHT`.
 - A name without a letter behind the number means the reinforced type E where there is one: that is what makers have
   listed for decades. The old type has names that end in ``-old``. In series 10 makers list both today, and a name means
   what it says: NU1010 has rollers as long as thick, NU1010E longer ones on the same raceways.
@@ -20,6 +21,8 @@ from functools import cached_property
 from typing import Final, NamedTuple
 
 from rollslip.datasets import (
+    RIB_ANGLE,
+    RIB_HEIGHT,
     Bearing,
     BearingData,
     Catalogue,
@@ -27,10 +30,11 @@ from rollslip.datasets import (
     Mounting,
     OwnCage,
     Profile,
+    Ribs,
     Scatter,
 )
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
-from rollslip_plugins.data import PROFILE_DEPTH
+from rollslip_plugins.data import PROFILE_DEPTH, RIB_SCATTER
 from rollslip_plugins.data.designations import other_bearing, read_designation
 
 #: Series of diameters -> bore, outside diameter, and the widths of its series of widths [mm] (ISO 15).
@@ -141,6 +145,8 @@ _PARTS: Final = {"": (0.0, 1.0), "L": (0.0, 0.5), "M": (0.25, 0.75), "H": (0.5, 
 _TYPES: Final = dict.fromkeys(("22E", "23E"), ("NU", "NJ", "NUP"))
 #: Types of all other series.
 _ALL: Final = ("NU", "NJ", "NUP", "N")
+#: Types with ribs on opposite sides of both rings.
+_RIBBED: Final = ("NJ", "NUP")
 #: Bore [mm] up to which a cage without letters is of polyamide: up to it a maker's designations of type E say polyamide
 #: on the rollers (TVP3), above it brass on them (M6); brass on them in series 4 (M), brass on the outer ring in 10
 #: (MPA); NKE, general catalogue (A). Others do likewise, up to 100 to 130 mm.
@@ -350,6 +356,7 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             mounting=Mounting(
                 initial_tolerance=round(1e-6 * (high - low), 9),
             ),
+            ribs=_ribs(name, 1e-3 * inside.diameter),
             profile=Profile(shape="iso16281"),
             catalogue=Catalogue(
                 series=size.series.removesuffix("E"),
@@ -372,6 +379,7 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             ),
             "radial_clearance": "C" if size.bore > 200 or "C5" in group or len(group) > 2 else "B",
             "profile": "D",
+            **({"ribs": "D"} if name.startswith(_RIBBED) else {}),
         },
         scatter=(
             Scatter(
@@ -383,8 +391,16 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
                 "and their diameter stay as they are",
             ),
             PROFILE_DEPTH,
+            *(RIB_SCATTER if name.startswith(_RIBBED) else ()),
         ),
     )
+
+
+def _ribs(name: str, diameter: float) -> Ribs | None:
+    """Return the ribs of a bearing with rollers of a diameter [m]; None for types without."""
+    if not name.startswith(_RIBBED):
+        return None
+    return Ribs(height=round(RIB_HEIGHT * diameter, 7), opening_angle=RIB_ANGLE)
 
 
 CATALOGUE: Final = CylindricalRollerBearings()

@@ -1,9 +1,10 @@
 """Power losses by friction at a constant cage speed, by source, and the power of the rings that supplies them.
 
-- In the frame of the cage, with V the sliding and u the entrainment speeds of the contacts, the losses of a roller are
-  F_i V_i + F_o V_o by sliding, 2 (F_Ri u_i + F_Ro u_o) by rolling resistance and M w_r in its pocket, or at its
-  neighbours. A drag on the cage loses -T (w_c - w_b) against the body b that bears its reaction: a ring, or what does
-  not move. Losses beside the rollers, of seals for example, brake the rings against each other.
+- In the frame of the cage, with V the sliding and u the entrainment speeds of the contacts, the losses of a roller
+  are F_i V_i + F_o V_o by sliding, the same of ribs under axial load, 2 (F_Ri u_i + F_Ro u_o) by rolling resistance
+  and M w_r in its pocket, or at its neighbours. A drag on the cage loses -T (w_c - w_b) against the body b that bears
+  its reaction: a ring, or what does not move. Losses beside the rollers, of seals for example, brake the rings
+  against each other.
 - The rings supply Z <R_i (F_i + F_Ri)> w_i and Z <R_o (F_o - F_Ro)> w_o, and the torques on the cage from their lands.
   With the torques of `rollslip_studies.motion.torque_balance`, identically::
 
@@ -99,10 +100,16 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
             k.outer_radius * (traction[1] - resistance[1]),
         ]
     )
+    torque_by_rings = k.roller_radius * (
+        traction[0] - resistance[0] - traction[1] - resistance[1]
+    )  # G + M
+    ribs = balance.assembly.ribs
+    rib_friction, rib_sliding = balance.rib_forces(orbit)
+    if ribs is not None:
+        ring_torques += np.array(ribs.ring_radii)[:, None] * rib_friction
+        torque_by_rings += ribs.spin_radius * (rib_friction[0] - rib_friction[1])
     spin_torque = on_cage - ring_torques.sum(axis=0)  # G
-    pocket = (
-        k.roller_radius * (traction[0] - resistance[0] - traction[1] - resistance[1]) - spin_torque
-    )  # M
+    pocket = torque_by_rings - spin_torque  # M
 
     def all_rollers(power: Array) -> float:
         return rollers * float(power.mean())
@@ -110,6 +117,10 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
     losses = [
         Loss(f"sliding, {ring} raceway", f"{ring} contact", all_rollers(traction[i] * sliding[i]))
         for i, ring in enumerate(RINGS)
+    ]
+    losses += [
+        Loss(f"sliding, {RINGS[i]} rib", f"{RINGS[i]} contact", all_rollers(force * rib_sliding[i]))
+        for i, force in enumerate(rib_friction)
     ]
     if balance.drags.resistance is not None:
         rolled = [all_rollers(2.0 * resistance[i] * rolling[i]) for i in range(len(RINGS))]

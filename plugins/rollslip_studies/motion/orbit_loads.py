@@ -18,11 +18,12 @@ from rollslip_kernels.gauss import row_rules
 
 def orbit_loads(
     assembly: Assembly, n_positions: int, cage_speeds: Array, n_loads: int = 0
-) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return loads per length of inner and outer ring [N/m] at cage speeds, and their widths [m].
+) -> tuple[tuple[Array, Array], tuple[Array, Array], Array]:
+    """Return loads per length of inner and outer ring [N/m] at cage speeds, and their widths [m]; and forces of ribs.
 
     The loads are of shape (speeds, n_positions, Z, slices), the widths (slices,); with a Gauss rule both are of shape
-    (speeds, n_positions, Z, n_loads).
+    (speeds, n_positions, Z, n_loads). Forces of ribs [N] are of shape (speeds, n_positions, Z), and zero without axial
+    load.
 
     Parameters
     ----------
@@ -48,8 +49,8 @@ def orbit_loads(
         )
         return load, width
 
-    inner, outer = solve_orbits(assembly.load_case(n_positions), assembly.raceways, forces)
-    return whole_pitch(inner), whole_pitch(outer)
+    inner, outer, rib = solve_orbits(assembly.load_case(n_positions), assembly.raceways, forces)
+    return whole_pitch(inner), whole_pitch(outer), over_pitch(rib, n_positions)
 
 
 def check_repeats(assembly: Assembly, without: str = "without skidding") -> None:
@@ -79,11 +80,13 @@ def check_repeats(assembly: Assembly, without: str = "without skidding") -> None
 
 def solve_orbits(
     case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats
-) -> tuple[Floats, Floats]:
-    """Return loads of inner and outer ring [N/m] at several centrifugal forces, each from the previous one.
+) -> tuple[Floats, Floats, Floats]:
+    """Return loads of inner and outer ring [N/m], and forces of ribs [N], at several centrifugal forces.
 
-    They are of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half. Where rings are
-    not symmetric about the line of load it is the whole pitch.
+    Each is found from the previous one.
+
+    They are of shape (forces, first half of a roller pitch, Z, n), those of ribs without n; `over_pitch` gives the
+    other half. Where rings are not symmetric about the line of load it is the whole pitch.
 
     Parameters
     ----------
@@ -99,11 +102,11 @@ def solve_orbits(
     psi = np.repeat(case.psi[:solved], centrifugal.size, axis=0)
     forces = np.tile(centrifugal, solved)
     solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
-    inner, outer = (
+    inner, outer, rib = (
         load.reshape(solved, centrifugal.size, rollers, -1).swapaxes(0, 1)
-        for load in (solution.inner_load, solution.outer_load)
+        for load in (solution.inner_load, solution.outer_load, solution.rib_force)
     )
-    return inner, outer
+    return inner, outer, rib[..., 0]
 
 
 def over_pitch(part: Floats, n_positions: int) -> Floats:

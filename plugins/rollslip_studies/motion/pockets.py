@@ -203,7 +203,7 @@ class Pockets:
         """Return the forces of inner and outer ring over one orbit at cage speeds [N], (n, 2, steps + 1)."""
         n_positions = math.ceil(_MIN_POSITIONS / self.assembly.scene.bearing.rollers)
         rings = []
-        for load, widths in orbit_loads(self.assembly, n_positions, speeds):
+        for load, widths in orbit_loads(self.assembly, n_positions, speeds)[:2]:
             force = (load @ widths).swapaxes(1, 2).reshape(speeds.size, -1)
             rings.append(np.append(force, force[:, :1], axis=1))
         return np.stack(rings, axis=1)
@@ -312,6 +312,8 @@ def reason_without_play(balance: TorqueBalance) -> str:
         return "rollers without inertia do not run ahead of the cage, inertia is false"
     if balance.rolls_freely:
         return f"{SWITCHED_OFF}, so no roller needs to drive the cage"
+    if balance.assembly.ribs is not None:
+        return "ribs under axial load turn rollers that cross their pockets, which is left out"
     if any(balance.assembly.body_force):
         return "forces of gravity or of a carrier on rollers in their pockets are left out"
     return ""

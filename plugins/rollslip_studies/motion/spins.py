@@ -57,6 +57,7 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.orbit_loads import orbit_loads
+from rollslip_studies.motion.rib_friction import RibFriction
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -249,6 +250,8 @@ class Spins:
         min_film_speed: float = 0.0,  # lower bound of the speed in the film [m/s], 0 for none
         pocket: float = 0.0,  # coefficient of friction in the pockets
         brakes: Array | None = None,  # further moments that brake the spins [N m], (positions,)
+        # Friction curves of the ribs, as the kernel takes them.
+        ribs: tuple[Array, Array, float, float, float] | None = None,
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
@@ -265,7 +268,7 @@ class Spins:
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
         rolling = k.roller_radius * k.epicyclic_roller_speed
         rings = curves or [ring for *_, ring in self._gathered]
-        self.kernel = Kernel(positions, rings, radii, rolling, min_film_speed, pocket, brakes)
+        self.kernel = Kernel(positions, rings, radii, rolling, min_film_speed, pocket, brakes, ribs)
 
     def check(self, status: str) -> str:
         """Return how a call of the kernel ended, report to the chains what it evaluated, and raise their refusals.
@@ -328,7 +331,16 @@ class Motions:
         self.positions = assembly.scene.bearing.rollers * n_positions
         #: 1 or -1: that in which the kinematics let the rollers orbit
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
-        self.resists = assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0
+        #: friction of the ribs, None without axial load
+        self.ribs = (
+            None
+            if assembly.ribs is None
+            else assembly.cached("ribs", (), lambda: RibFriction(assembly))
+        )
+        # whether torques act on rollers and cage without slip
+        self.resists = (
+            assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0 or self.ribs is not None
+        )
         self._inner_ratio = -k.inner_radius / k.outer_radius
         angular_momentum = (
             0.5 * assembly.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
@@ -353,7 +365,7 @@ class Motions:
         self._lever = 1.0 + k.outer_radius / k.roller_radius
         self._rollers = assembly.scene.bearing.rollers
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
-        self._last: tuple[bytes, list[LoadedContacts]] = b"", []
+        self._last: tuple[bytes, list[LoadedContacts], Array] = b"", [], np.zeros(0)
         # mean and largest roller slip without cage slip; the search for it needs all of the above, and none of both
         self._idle_slip, self._max_idle_slip = self._find_idle_slips(similar)
 
@@ -381,8 +393,11 @@ class Motions:
             similar=self,
         )
 
-    def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Loads of inner and outer ring [N/m], rows of positions in the sense of the orbit, and their widths [m]."""
+    def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array], Array]:
+        """Loads of inner and outer ring [N/m], rows of positions in the sense of the orbit, and their widths [m].
+
+        The third are the forces of the ribs at these positions [N], (n K,).
+        """
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
         order, _ = self._orbit
 
@@ -392,8 +407,12 @@ class Motions:
             ordered = values.reshape(slips.size, order.size, -1)[:, order]
             return ordered.reshape(-1, values.shape[-1])
 
-        inner, outer = orbit_loads(self.assembly, self.n_positions, speeds, self._n_loads)
-        return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
+        inner, outer, rib = orbit_loads(self.assembly, self.n_positions, speeds, self._n_loads)
+        return (
+            (rows(inner[0]), rows(inner[1])),
+            (rows(outer[0]), rows(outer[1])),
+            rows(rib).ravel(),
+        )
 
     @cached_property
     def _orbit(self) -> tuple[Rows, Array]:
@@ -438,13 +457,14 @@ class Motions:
         key = slips.tobytes()
         if self._last[0] != key:
             angle = np.tile(self._orbit[1], slips.size)
+            *loads, rib = self.loads(slips)
             loaded = [
                 LoadedContacts(
                     self.assembly.inner, *own, 1.0, places=self.assembly.places(ring, angle)
                 )
-                for ring, own in zip(RINGS, self.loads(slips), strict=True)
+                for ring, own in zip(RINGS, loads, strict=True)
             ]  # every roller is at each of the positions
-            self._last = key, loaded
+            self._last = key, loaded, rib
         contacts = self._last[1]
         if n_loads is not None and n_loads != self._n_loads:
             # the Gauss rule of a Gauss rule is that of the slices
@@ -483,9 +503,18 @@ class Motions:
             pocket=self.pocket,
             tables=self._tables[n_loads is None],
             brakes=None if brakes is None else brakes.ravel(),
+            ribs=self._rib_curves(slips),
         )
         spins.kernel.set_leads(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
+
+    def _rib_curves(self, slips: Array) -> tuple[Array, Array, float, float, float] | None:
+        """Friction curves of the ribs at cage slips whose contacts were requested last; None without axial load."""
+        if (ribs := self.ribs) is None:
+            return None
+        leads = np.repeat(ribs.leads(slips), self.positions, axis=1)
+        curves = ribs.curves(slips, self._last[2])
+        return curves, leads, ribs.linear_speed, ribs.limit, ribs.pair.height
 
     # The march --------------------------------------------------------------------------------------------------------
 
@@ -498,7 +527,8 @@ class Motions:
         """Roller slips (n, 2) between which all periodic motions lie: a march from either one goes towards the other.
 
         Without resistance these are rolling on either ring. With it rollers slip more, so that the upper one is moved
-        up, by steps that are doubled, until no position of the orbit increases the roller slip there.
+        up, by steps that are doubled, until no position of the orbit increases the roller slip there. Ribs also speed
+        rollers up, so that with them the lower one is moved down likewise.
         """
         starts = self._rolling_slips(slips)
         if not self.resists:
@@ -506,17 +536,22 @@ class Motions:
         # a first step outwards, which is doubled while it is too small: neither half nor twice of either number changes
         # torques of 62 random bearings by more than 2e-14
         step = 0.25 * (starts[:, 1] - starts[:, 0]) + 1.25 * self._max_idle_slip
-        starts[:, 1] += step
+        starts[:, 1] = self._moved_start(spins, starts[:, 1] + step, step)
+        if self.ribs is not None:
+            starts[:, 0] = self._moved_start(spins, starts[:, 0] - step, -step)
+        return starts
+
+    def _moved_start(self, spins: Spins, starts: Array, step: Array) -> Array:
+        """Starts of marches (n,), moved by steps that are doubled until no position moves a roller further that way."""
         while True:
-            torques, _ = self._torques(spins, np.repeat(starts[:, 1], self.positions))
-            torques = torques.reshape(slips.size, -1)
+            torques, _ = self._torques(spins, np.repeat(starts, self.positions))
             # a torque on the spin is positive where it decreases the roller slip
-            increases_slip = (torques < 0.0).any(axis=1)
-            is_too_low = increases_slip & (starts[:, 1] < _MAX_START)
-            if not is_too_low.any():
+            outward = -np.sign(step)[:, None] * torques.reshape(starts.size, -1)
+            is_inside = (outward > 0.0).any(axis=1) & (np.abs(starts) < _MAX_START)
+            if not is_inside.any():
                 return starts
-            step *= 2.0
-            starts[:, 1] += np.where(is_too_low, step, 0.0)
+            step = 2.0 * step
+            starts = starts + np.where(is_inside, step, 0.0)
 
     @staticmethod
     def _torques(spins: Spins, roller_slips: Array) -> tuple[Array, Array]:

@@ -6,6 +6,9 @@
       J |w_c| ds/dtheta = G,   G = r (F_i - F_Ri) - r (F_o + F_Ro) - M
       T = Z <G + R_i (F_i + F_Ri) + R_o (F_o - F_Ro)>,   M = mu_p |P| r,   R_m P = G + M + R_i (...) + R_o (...)
 
+  Under axial load the friction of ribs, at the height h above the raceways, adds (r - h) (F_fi - F_fo) to G, and
+  (R_i + h) F_fi + (R_o - h) F_fo to the torques on the rings and so to T.
+
   with s the absolute spin, theta the position in the sense of the orbit, F = mu Q the tractions, F_R the rolling
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
   moves it along the orbit, and < > the mean over the orbit. T drives the cage.
@@ -242,7 +245,8 @@ class TorqueBalance:
     @property
     def rolls_freely(self) -> bool:
         """Whether nothing resists: neither a torque on the cage nor rolling resistance, so that it has no slip."""
-        return not self.drags.torques and not self.assembly.inner.chain.resists
+        resists = self.assembly.inner.chain.resists or self.assembly.ribs is not None
+        return not self.drags.torques and not resists
 
     def with_inertia(self, inertia: bool) -> "TorqueBalance":
         """Return the same balance of rollers with or without inertia of their spin."""
@@ -350,6 +354,21 @@ class TorqueBalance:
         )
         kernel = self.motions.spins(np.array([orbit.cage_slip]), brakes=orbit.brakes).kernel
         return tractions, resistances, kernel.on_cage(orbit.roller_slip, tractions, resistances)
+
+    def rib_forces(self, orbit: Orbit) -> tuple[Array, Array]:
+        """Return friction [N] and sliding speeds [m/s] of both ribs, (2, K); empty without axial load.
+
+        Parameters
+        ----------
+        orbit : Orbit
+            The motion of the rollers.
+        """
+        if (ribs := self.motions.ribs) is None:
+            return np.zeros((0, 0)), np.zeros((0, 0))
+        self.contacts(orbit.cage_slip)
+        kernel = self.motions.spins(np.array([orbit.cage_slip])).kernel
+        speeds = ribs.sliding_speeds(orbit.cage_slip, orbit.roller_slip)
+        return kernel.rib_forces(orbit.roller_slip), speeds
 
     def _forces(
         self,

@@ -187,7 +187,7 @@ class RacewayFriction(Study):
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
         supplied = [at_rolling_speed(assembly, speed) for speed in u.tolist()]
         loads = [
-            orbit_loads(bearing, n_positions, cage_speeds)
+            orbit_loads(bearing, n_positions, cage_speeds)[:2]
             for bearing, cage_speeds in zip(supplied, speeds.T, strict=True)
         ]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING_NODES))

@@ -57,10 +57,12 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
     for key, quantity in known.items():
         if (declared := quantity.attribute.metadata.get("scatter")) is not None:
             offered.setdefault(key, declared)
+    has_axial_load = bool(scene.operation.axial_load)  # without it ribs do nothing
     return {
         key: (scatter, known[key])
         for key, scatter in offered.items()
         if key in known
+        and (has_axial_load or not key.startswith("bearing.ribs."))
         and not _is_fraction_of_zero(scatter, known[key])
         and not _is_certain(stated, key, scatter)
     }

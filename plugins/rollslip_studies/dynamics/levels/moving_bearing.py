@@ -82,6 +82,12 @@ def check_moves(assembly: Assembly, level: str) -> None:
             "need a cage; for a full complement take the study of steady slips",
         ),
         (
+            bool(operation.axial_load),
+            "operation",
+            "axial_load",
+            "know no ribs that carry it; take the study of steady slips, or leave it out",
+        ),
+        (
             operation.carrier is not None,
             "operation",
             "carrier",
