@@ -32,7 +32,7 @@ PROMISED = {
     "rollslip.fields": "FieldError at_least field in_range non_negative choice_of parameter positive",
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """accounts bearings campaigns contact_models damage_models drag_models engines film_models
-        hookimpl hookspec integrator_models life_models loss_models lubricants measurements pressure_models
+        hookimpl hookspec integrator_models life_models loss_models lubricants measurements pressure_models rib_models
         pressure_viscosity_laws ring_models scene_formats scenes studies thermal_models torque_formulas
         traction_models""",
     "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
@@ -40,7 +40,7 @@ PROMISED = {
     "rollslip.lubricant.pressure": "PressureViscosity",
     "rollslip_campaigns.measurement": "Measurement load_measurement",
     "rollslip.models": """ContactModel Domain Drag DragModel FINITE FilmModel IntegratorModel NON_NEGATIVE NO_LIMITS
-        POSITIVE PocketFriction PressureModel ResistanceModel SCENE_VALUES SliceModel
+        POSITIVE PocketFriction PressureModel ResistanceModel RibContact RibModel SCENE_VALUES SliceModel
         TractionModel Validity evaluate_arrays from_scene in_unit
         interval left_to_scene submodel""",
     "rollslip.references": "Citation Reference as_bibtex",

@@ -25,6 +25,7 @@ from rollslip.models import (
     FilmModel,
     IntegratorModel,
     PressureModel,
+    RibModel,
     TractionModel,
     submodel,
 )
@@ -201,7 +202,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     assert thing.name == name
     beside = {
         "thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula, "loss": LossModel,
-        "life": LifeModel, "ring": RingModel,
+        "life": LifeModel, "ring": RingModel, "rib": RibModel,
     }  # fmt: skip
     classes = {**BASES, **beside, "engine": Engine, "study": Study, "campaign": Campaign}
     if kind in classes:

@@ -33,6 +33,7 @@ from rollslip.models import (
     IntegratorModel,
     PocketFriction,
     ResistanceModel,
+    RibModel,
     SliceModel,
     TractionModel,
     Validity,
@@ -1504,6 +1505,73 @@ class _InNewtonMillimetres(Seal):
 
 
 SOUND.append(Seal())
+
+
+# Friction of ribs -----------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Rib(RibModel):
+    """A smooth coefficient."""
+
+    name = "sound-rib"
+    equation = "F = mu Q tanh(V/V0)"
+    references = SOURCE
+
+    coefficient: float = parameter(default=0.05, unit="1", doc="coefficient", validator=positive)
+
+    def friction(self, contact):
+        return self.coefficient * contact.load * np.tanh(contact.sliding_speed / 0.01)
+
+
+@breaks("check_a_rib_has_an_equation_and_references")
+class _Unsourced(Rib):
+    """Nobody says whose it is."""
+
+    references = ()
+
+
+@breaks("check_rib_friction_takes_power_and_is_odd_in_the_sliding_speed")
+class _Driving(Rib):
+    """It drives where it slides fast."""
+
+    def friction(self, contact):
+        return super().friction(contact) * (1.0 - contact.sliding_speed**2)
+
+
+@breaks("check_rib_friction_takes_power_and_is_odd_in_the_sliding_speed")
+class _OneWay(Rib):
+    """It rubs one way alone."""
+
+    def friction(self, contact):
+        return np.abs(super().friction(contact))
+
+
+@breaks("check_rib_friction_rises_with_the_load")
+class _Floating(Rib):
+    """It floats where it is loaded."""
+
+    def friction(self, contact):
+        return super().friction(contact) / contact.load**1.5
+
+
+@breaks("check_rib_friction_has_no_jump_where_the_sliding_ends")
+class _Coulomb(Rib):
+    """It jumps where the sliding ends."""
+
+    def friction(self, contact):
+        return self.coefficient * contact.load * np.sign(contact.sliding_speed)
+
+
+@breaks("check_rib_friction_is_less_than_the_load")
+class _InPercent(Rib):
+    """Its coefficient is in percent."""
+
+    def friction(self, contact):
+        return 100.0 * super().friction(contact)
+
+
+SOUND.append(Rib())
 
 
 # Packages that end the process ---------------------------------------------------------------------------------------

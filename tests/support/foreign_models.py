@@ -204,6 +204,26 @@ class GreaseDrag(LossModel):
 def loss_models():
     return [GreaseDrag]
 """,
+    "rib": """
+import attrs
+from rollslip.hookspecs import hookimpl
+from rollslip.models import RibModel
+
+@attrs.frozen(kw_only=True)
+class ViscousRib(RibModel):
+    '''Friction in proportion to sliding speed and the root of the load.'''
+
+    name = "NAME"
+    equation = "F = 1e-3 V sqrt(Q)"
+    references = ("Palmgren A. Ball and Roller Bearing Engineering. SKF Industries, 1959.",)
+
+    def friction(self, contact):
+        return 1e-3 * contact.sliding_speed * contact.load ** 0.5
+
+@hookimpl
+def rib_models():
+    return [ViscousRib]
+""",
     "torque": """
 import attrs
 from rollslip.hookspecs import hookimpl

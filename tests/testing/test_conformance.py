@@ -140,6 +140,10 @@ class TestLoss(Conformance):
     models = (*box("loss"), get_model("loss", "radial-lip-seal", number=2, diameter="40 mm"))
 
 
+class TestRib(Conformance):
+    models = (*box("rib"), get_model("rib", "open-film", reach=0.3, boundary_coefficient=0.05))
+
+
 class TestLife(Conformance):
     models = (*box("life"), get_model("life", "iso16281", edge_stress=False))
 
@@ -174,6 +178,7 @@ def test_no_kind_is_left_out():
         "torque",
         "loss",
         "life",
+        "rib",
     }
     assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", "ring", *DATA}
 

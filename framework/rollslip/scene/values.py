@@ -182,6 +182,17 @@ class ModelChoice:
     parameters: FrozenTable = field(default=FrozenTable(), doc="parameters of the model", rest=True)
 
 
+#: Friction of ribs where ``models.rib`` names none.
+DEFAULT_RIB: Final = "open-film"
+
+
+@attrs.frozen(kw_only=True)
+class RibChoice(ModelChoice):
+    """The friction of ribs under axial load, by default that of an open rib with a film."""
+
+    name: str = field(default=DEFAULT_RIB, doc="name of the model", key="model", bare=True)
+
+
 #: Choices of what separates the rollers; "none" is a full-complement bearing.
 SEPARATORS: Final = ("cage", "none")
 
@@ -262,7 +273,7 @@ class Models:
         doc="what separates the rollers: cage, or none for a full complement; by default what the bearing's name says, "
         "else a cage",
     )
-    rib: ModelChoice | None = field(
+    rib: RibChoice | None = field(
         default=None,
         doc="friction of the ribs that carry an axial load; by default open-film, read with such a load alone",
     )
@@ -297,7 +308,7 @@ class Models:
     @property
     def rib_friction(self) -> ModelChoice:
         """The friction of ribs, by default that of an open rib with a film."""
-        return ModelChoice(name=DEFAULT_RIB) if self.rib is None else self.rib
+        return RibChoice() if self.rib is None else self.rib
 
     @property
     def neighbour_friction(self) -> float | None:
@@ -307,8 +318,6 @@ class Models:
         return 0.1 if self.separator.coefficient is None else self.separator.coefficient
 
 
-#: Friction of ribs where ``models.rib`` names none.
-DEFAULT_RIB: Final = "open-film"
 #: Drags on rollers and cage where ``cage.drag`` names none.
 DEFAULT_DRAGS: Final = ("rolling-resistance", "hysteresis", "churning")
 #: Drag that acts by default in addition where the land of a ring guides the cage.

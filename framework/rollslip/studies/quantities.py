@@ -65,7 +65,11 @@ def _model_values(assembly: Assembly, attribute: "attrs.Attribute[Any]") -> Iter
     key = f"models.{attribute.name}"
     choice = getattr(scene.models, attribute.name)
     kind = model_kind(attribute.name)
-    if isinstance(choice, ModelChoice) and kind != attribute.name:
+    if kind == "rib":
+        if assembly.rib is not None:  # without axial load nothing reads it
+            yield _choice(key, attribute, assembly.rib.name, kind)
+            yield from _values_of(assembly.rib, key)
+    elif isinstance(choice, ModelChoice) and kind != attribute.name:
         yield _choice(key, attribute, choice.name, kind)
         yield from _values_of(_structured(kind, choice), key)
     elif isinstance(choice, ModelChoice):

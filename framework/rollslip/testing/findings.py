@@ -21,6 +21,7 @@ from rollslip.testing import (  # noqa: F401 - they put their rules on the list
     checks,
     laws,
     numbers,
+    ribs,
     studies,
     values,
 )

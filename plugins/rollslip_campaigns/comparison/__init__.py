@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 class ComparisonSettings(OfScene):
     """Run SCENE with several oils, bearings, cages or models, and compare them.
 
-    --oil, --bearing, --cage, --clearance-class, --outer-ring and --inner-ring give the answer of each, best first, and
-    say whether there is a clear winner where data scatter. --traction, --film and --contact compare friction, critical
-    slip and cost.
+    --oil, --bearing, --cage, --clearance-class, --outer-ring, --inner-ring and --rib give the answer of each, best
+    first, and say whether there is a clear winner where data scatter. --traction, --film and --contact compare
+    friction, critical slip and cost.
 
     A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
     blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
@@ -100,6 +100,12 @@ class ComparisonSettings(OfScene):
     inner_ring: Sequence[str] | str = setting(
         "Flexible inner rings to choose from.", default=(), metavar="A,B", repeatable=True
     )
+    rib: Sequence[str] | str = setting(
+        "Laws of rib friction under axial load to choose from.",
+        default=(),
+        metavar="A,B",
+        repeatable=True,
+    )
     measured: Any = setting(
         "Table of measured points, csv or xlsx, to compare all with.",
         value_type=Path,
@@ -118,6 +124,7 @@ class ComparisonSettings(OfScene):
                 self.clearance_class,
                 self.outer_ring,
                 self.inner_ring,
+                self.rib,
             )
         )
 

@@ -45,6 +45,7 @@ KEYS: Final[Mapping[str, str]] = MappingProxyType(
         "cage": "cage.make",
         "outer_ring": "models.outer_ring",
         "inner_ring": "models.inner_ring",
+        "rib": "models.rib",
     }
 )
 #: Study whose answers are compared.
