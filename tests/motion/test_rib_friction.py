@@ -167,7 +167,7 @@ def test_a_law_without_numbers_is_refused(monkeypatch):
     law = get_model("rib", FILM)
     monkeypatch.setattr(type(law), "friction", lambda self, contact: contact.load * math.nan)
     with pytest.raises(DomainError, match=r"models\.rib: 'open-film' gives no finite force"):
-        _ = balance().motions
+        _ = balance(310.0).motions
 
 
 @pytest.mark.parametrize("study", ["dynamics"])

@@ -16,6 +16,7 @@ meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the 
   back to a bar at the speed at which it left.
 - The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
   whatever the step.
+- Ribs under axial load rub at the height h above the raceways, with slopes as those of the raceways.
 - Loads are linear between equal steps of the angle.  The outer contact carries what its table says of the speed of the
   cage, and the difference of the centrifugal force.
 """
@@ -23,10 +24,11 @@ meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the 
 import numpy as np
 
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport M_PI, NAN, copysign, fabs, floor, fmax, fmin, sqrt
+from libc.math cimport M_PI, NAN, copysign, fabs, floor, fmax, fmin, log, sqrt
 
 from bearing_h cimport *
 from rollslip_raceway cimport rs_box_reaches, rs_film_speed
+from rollslip_ribs cimport rs_rib_force, rs_rib_weights, rs_ribs
 
 cdef enum:
     N_RINGS = 2
@@ -81,6 +83,11 @@ cdef struct loads_t:
     double speed         # of the cage, at which the loads are those of the table [rad/s]
     const double *inner  # force [N], [n + 1]
     const double *outer  # force [N], [n + 1]
+    const double *rib    # force of each of both ribs [N], [n + 1]
+    rs_ribs ribs
+    Py_ssize_t row       # of their tables
+    double smallest_log  # of their loads
+    double log_step
 
 cdef struct contact_t:
     double traction      # F [N], with the sign of V
@@ -162,7 +169,42 @@ cdef int _torques(
     torques.spin_spin = -r * r * (inner.slope + outer.slope)
     torques.mixed = r * (outer_arm * outer.slope - inner_arm * inner.slope)
     torques.orbit_orbit = -inner_arm * inner_arm * inner.slope - outer_arm * outer_arm * outer.slope
+    if loads.ribs.tables != NULL:
+        _add_ribs(g, loads, loads.rib[k] + part * (loads.rib[k + 1] - loads.rib[k]), roller, torques)
     return 0
+
+
+cdef void _add_ribs(
+    const geometry_t *g, const loads_t *loads, double load, const roller_t *roller, torques_t *torques
+) noexcept nogil:
+    """Add the torques of ribs under a load, and their slopes."""
+    cdef double[4] weight
+    cdef Py_ssize_t first
+    cdef double inner, outer, inner_slope, outer_slope
+    cdef double height = loads.ribs.height
+    cdef double rho = g.roller_radius - height
+    cdef double inner_radius = g.inner_radius + height
+    cdef double outer_radius = g.outer_radius - height
+    cdef double surface = rho * (roller.spin + roller.speed)
+    cdef double inner_arm = inner_radius + rho
+    cdef double outer_arm = outer_radius - rho
+    cdef int i
+    if not load > 0.0:
+        return
+    rs_rib_weights(fmax(log(load) - loads.smallest_log, 0.0) / loads.log_step, loads.ribs.loads, &first, &weight[0])
+    for i in range(4):
+        weight[i] *= load
+    inner = rs_rib_force(&loads.ribs, 0, loads.row, first, &weight[0],
+                         inner_radius * (g.inner_speed - roller.speed) - surface, &inner_slope)
+    outer = rs_rib_force(&loads.ribs, 1, loads.row, first, &weight[0],
+                         surface - outer_radius * (roller.speed - g.outer_speed), &outer_slope)
+    inner_slope = fmax(inner_slope, 0.0)
+    outer_slope = fmax(outer_slope, 0.0)
+    torques.spin += rho * (inner - outer)
+    torques.orbit += rho * (inner - outer) + inner_radius * inner + outer_radius * outer
+    torques.spin_spin -= rho * rho * (inner_slope + outer_slope)
+    torques.mixed += rho * (outer_arm * outer_slope - inner_arm * inner_slope)
+    torques.orbit_orbit -= inner_arm * inner_arm * inner_slope + outer_arm * outer_arm * outer_slope
 
 
 cdef double _moment(const geometry_t *g, double cage_speed, double torque, const roller_t *roller) noexcept nogil:
@@ -332,6 +374,7 @@ cdef int _march(
 def march(
     bearing: Mapping[str, float], inner, outer, const double[::1] cage_speeds, const double[:, :, ::1] forces,
     double play, int steps, int max_turns, double tolerance, double[:, ::1] record=None,
+    ribs: tuple[Array, Array, float, float, float, float, float] | None = None,
 ) -> tuple[Array, Array]:
     """Return the `MEANS` of a roller at each cage speed, (n, 6), and whether its motion repeats, 1 or 0, (n,).
 
@@ -344,7 +387,13 @@ def march(
     ``steps`` steps.  The march ends when the mean torque changes by less than ``tolerance`` of itself from one turn to
     the next, or after ``max_turns``.  Into ``record``, (steps, 3), the last turn
     at the last of the speeds is written, as it is `RECORDED`.  Torques have the sign of the speeds.
+
+    ``ribs`` are, under axial load, the tables of `rs_ribs` with a row for each speed, forces of ribs as those of rings,
+    (n, m + 1), the logarithm of the smallest load of the tables and its step, V_s [m/s], the largest abscissa, and the
+    height of the contacts [m].
     """
+    cdef const double[:, :, :, :, ::1] tables
+    cdef const double[:, ::1] rib_forces
     cdef geometry_t g = {**bearing, "half_play": 0.5 * play}
     cdef loads_t loads
     cdef rs_raceway[N_RINGS] raceways
@@ -365,10 +414,24 @@ def march(
     cdef double *turn = NULL if record is None else &record[0, 0]
     cdef int status
     loads.n = forces.shape[2] - 1
+    loads.ribs.tables = NULL
+    if ribs is not None:
+        (tables, rib_forces, loads.smallest_log, loads.log_step, loads.ribs.linear_speed, loads.ribs.limit,
+         loads.ribs.height) = ribs
+        loads.ribs.rows = tables.shape[1]
+        loads.ribs.loads = tables.shape[2]
+        loads.ribs.cells = tables.shape[3] - 1
+        if not (tables.shape[0] == tables.shape[4] == 2 and tables.shape[1] == rib_forces.shape[0] == forces.shape[0]
+                and tables.shape[2] >= 4 and tables.shape[3] > 1 and rib_forces.shape[1] == forces.shape[2]):
+            raise ValueError("tables (2, n, m, k, 2) and forces (n, steps + 1) of ribs at n speeds are expected")
+        loads.ribs.tables = &tables[0, 0, 0, 0, 0]
     for n in range(cage_speeds.shape[0]):
         loads.speed = cage_speeds[n]
         loads.inner = &forces[n, 0, 0]
         loads.outer = &forces[n, 1, 0]
+        if loads.ribs.tables != NULL:
+            loads.row = n
+            loads.rib = &rib_forces[n, 0]
         with nogil:
             status = _march(&g, raceways, &loads, steps, max_turns, tolerance, &sums[n, 0], turn)
         if status > 0:

@@ -32,11 +32,12 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport NAN, asinh, exp, fabs, sqrt
+from libc.math cimport NAN, exp, fabs, sqrt
 from libc.string cimport memcpy
 
 from rollslip_abi cimport ROLLSLIP_MODEL, ROLLSLIP_N_PLACES as N_PLACES, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
+from rollslip_ribs cimport rs_rib_force, rs_ribs
 
 from rollslip_kernels.chain import bound
 
@@ -155,8 +156,8 @@ cdef double MAX_ROW_CHANGE = 0.05
 #: Of a chain: stage, table, load, force, width, first, resists; of a curve: nodes, limits, scale, force, resistance.
 Ring: TypeAlias = "tuple[object, Slices, Array, Array, Array, NDArray[np.intp], bool]"
 Curve: TypeAlias = "tuple[Array, tuple[float, float], float, Array, Array]"
-#: Of the ribs of both rings: curves, leads, linear speed and limit of their abscissa, height.
-Ribs: TypeAlias = "tuple[Array, Array, float, float, float]"
+#: Of the ribs of both rings: tables, first loads, weights, leads, linear speed and limit of the abscissa, height.
+Ribs: TypeAlias = "tuple[Array, NDArray[np.intp], Array, Array, float, float, float]"
 
 #: Step of the roller slip for difference quotients of torques.
 DIFFERENTIATION_STEP: float = DIFFERENCE_STEP
@@ -228,8 +229,9 @@ cdef class Spin:
     brakes
         Moments [N m], (K,), of neighbours against the spin.
     ribs
-        Under axial load: friction and slope per step at nodes of asinh(V/V_s) (2, K, n, 2) [N], sliding speeds without
-        roller slip (2, K) [m/s], V_s [m/s], the limit of that abscissa, and the height of the contacts [m].
+        Under axial load: coefficients of friction and slopes per step, by row, load and nodes of asinh(V/V_s),
+        (2, rows, m, n, 2); the first of four loads (K,), and weights of these (K, 4) [N]; sliding speeds without roller
+        slip (2, K) [m/s], V_s [m/s], the limit of that abscissa, and the height of the contacts [m].
     """
 
     cdef ring_t rings[2]
@@ -242,12 +244,10 @@ cdef class Spin:
     cdef double min_film_speed
     cdef double pocket
     cdef const double *brakes     # or NULL
-    cdef const double *rib_curves  # (2, K, cells + 1, 2), or NULL
-    cdef const double *rib_leads   # (2, K)
-    cdef Py_ssize_t rib_cells
-    cdef double rib_linear_speed
-    cdef double rib_limit
-    cdef double rib_height
+    cdef rs_ribs ribs
+    cdef const Py_ssize_t *rib_first    # of four loads, (K,)
+    cdef const double *rib_weights      # of these [N], (K, 4)
+    cdef const double *rib_leads        # (2, K)
     cdef double largest_traction  # of the last evaluation [N]
     cdef bint calls_python        # for forces
     cdef object python_forces     # that function, or None
@@ -294,20 +294,29 @@ cdef class Spin:
                 self._take_chain(which, *rings[which])
 
     def _take_ribs(
-        self, const double[:, :, :, ::1] curves, const double[:, ::1] leads, double linear_speed, double limit,
-        double height,
+        self, const double[:, :, :, :, ::1] tables, const Py_ssize_t[::1] first, const double[:, ::1] weights,
+        const double[:, ::1] leads, double linear_speed, double limit, double height,
     ) -> None:
-        """Take the friction curves of the ribs of both rings."""
-        if not curves.shape[0] == leads.shape[0] == curves.shape[3] == 2 or curves.shape[2] < 2 or (
-                not curves.shape[1] == leads.shape[1] == self.rollers):
-            raise ValueError(f"curves (2, {self.rollers}, n, 2) and leads (2, {self.rollers}) of ribs are expected")
-        self.kept_alive.append((curves, leads))
-        self.rib_curves = &curves[0, 0, 0, 0]
+        """Take the friction tables of the ribs of both rings."""
+        cdef Py_ssize_t k
+        cdef bint fits = tables.shape[0] == leads.shape[0] == tables.shape[4] == 2 and weights.shape[1] == 4
+        fits = fits and tables.shape[3] > 1 and tables.shape[1] > 0 and self.rollers % tables.shape[1] == 0
+        fits = fits and first.shape[0] == weights.shape[0] == leads.shape[1] == self.rollers
+        for k in range(self.rollers if fits else 0):
+            fits = fits and 0 <= first[k] <= tables.shape[2] - 4
+        if not fits:
+            raise ValueError(f"tables (2, rows, m, n, 2), four of m loads and leads of {self.rollers} ribs are expected")
+        self.kept_alive.append((tables, first, weights, leads))
+        self.ribs.tables = &tables[0, 0, 0, 0, 0]
+        self.rib_first = &first[0]
+        self.rib_weights = &weights[0, 0]
         self.rib_leads = &leads[0, 0]
-        self.rib_cells = curves.shape[2] - 1
-        self.rib_linear_speed = linear_speed
-        self.rib_limit = limit
-        self.rib_height = height
+        self.ribs.rows = tables.shape[1]
+        self.ribs.loads = tables.shape[2]
+        self.ribs.cells = tables.shape[3] - 1
+        self.ribs.linear_speed = linear_speed
+        self.ribs.limit = limit
+        self.ribs.height = height
 
     def rib_forces(self, const double[::1] slip) -> Array:
         """Return the friction forces of both ribs [N], (2, K), at roller slips (K,)."""
@@ -316,7 +325,7 @@ cdef class Spin:
         cdef Py_ssize_t k
         cdef int which
         self._check_size(slip)
-        if self.rib_curves != NULL:
+        if self.ribs.tables != NULL:
             for which in range(2):
                 for k in range(self.rollers):
                     out[which, k] = self._rib_force(which, k, slip[k])
@@ -1114,15 +1123,13 @@ cdef class Spin:
                                -0.5 * (self.rings[which].lead[k] + spin))
 
     cdef inline double _rib_force(self, int which, Py_ssize_t k, double slip) noexcept nogil:
-        """Friction of a rib on the roller at a position, by cubics of Hermite; beyond the curve it is constant."""
-        cdef double spin = self.rolling * (1.0 - self.rib_height / self.roller_radius) * slip
+        """Friction of a rib on the roller at a position [N]."""
+        cdef double spin = self.rolling * (1.0 - self.ribs.height / self.roller_radius) * slip
         cdef double lead = self.rib_leads[which * self.rollers + k]
-        cdef double x = asinh((lead + spin if which == INNER else lead - spin) / self.rib_linear_speed)
-        cdef double t = (min(max(x, -self.rib_limit), self.rib_limit) / self.rib_limit + 1.0) * 0.5 * self.rib_cells
-        cdef Py_ssize_t cell = min(<Py_ssize_t>t, self.rib_cells - 1)
-        cdef const double *node = self.rib_curves + 2 * ((which * self.rollers + k) * (self.rib_cells + 1) + cell)
-        t -= cell
-        return _hermite(node, t)
+        cdef Py_ssize_t row = k // (self.rollers // self.ribs.rows)
+        cdef double slope
+        return rs_rib_force(&self.ribs, which, row, self.rib_first[k], self.rib_weights + 4 * k,
+                            lead + spin if which == INNER else lead - spin, &slope)
 
     cdef inline void _torque(self, Py_ssize_t k, double slip, double inner, double outer, double inner_resistance,
                              double outer_resistance, double *spin, double *cage) noexcept nogil:
@@ -1132,12 +1139,12 @@ cdef class Spin:
             self.inner_radius * (inner + inner_resistance) + self.outer_radius * (outer - outer_resistance))
         cdef double sliding = self.rolling * (1.0 - slip)
         spin[0] = self.roller_radius * (inner - inner_resistance - outer - outer_resistance)
-        if self.rib_curves != NULL:
+        if self.ribs.tables != NULL:
             inner_rib = self._rib_force(INNER, k, slip)
             outer_rib = self._rib_force(OUTER, k, slip)
-            along += (self.inner_radius + self.rib_height) * inner_rib
-            along += (self.outer_radius - self.rib_height) * outer_rib
-            spin[0] += (self.roller_radius - self.rib_height) * (inner_rib - outer_rib)
+            along += (self.inner_radius + self.ribs.height) * inner_rib
+            along += (self.outer_radius - self.ribs.height) * outer_rib
+            spin[0] += (self.roller_radius - self.ribs.height) * (inner_rib - outer_rib)
         if self.pocket > 0.0:
             friction = self.pocket * self.roller_radius / self.orbit_radius * fabs(spin[0] + along)
             spin[0] -= friction * sliding / _length(sliding, POCKET_TRANSITION_SPEED)
@@ -1491,11 +1498,6 @@ cdef double _friction_of_curve(const ring_t *ring, double sliding) noexcept nogi
     cdef Py_ssize_t k = min(<Py_ssize_t>t, ring.cells - 1)
     cdef const double *node = &ring.nodes[2 * k]
     t -= k
-    return _hermite(node, t)
-
-
-cdef inline double _hermite(const double *node, double t) noexcept nogil:
-    """Cubic of Hermite between two nodes, each a value and a slope per cell."""
     return ((1.0 + 2.0 * t) * node[0] + t * node[1]) * (1.0 - t) * (1.0 - t) + (
         (3.0 - 2.0 * t) * node[2] - (1.0 - t) * node[3]) * t * t
 

@@ -3,52 +3,81 @@
 The friction of a rib depends on its load, on its sliding speed, and, by the film, on the speed of its surface, which
 follows from the cage slip. It is tabulated once for a bearing: over the cage slip, over the logarithm of the load, and
 over asinh(V/V_s), so that steps are even near V = 0 and in proportion to V beyond. The table has the coefficient of
-friction, which has no error where a law is in proportion to the load. Between cage slips and loads it is interpolated
-by cubics through four points, and compiled code interpolates between sliding speeds by cubics of Hermite.
+friction, which has no error where a law is in proportion to the load. It is interpolated by cubics, through four points
+between cage slips and loads, and of Hermite between sliding speeds. Compiled code does all but that of the cage slip.
 """
 
-from typing import Final
+from functools import lru_cache
+from typing import Final, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import Array
+from rollslip.bearing.ribs import RibPair
 from rollslip.errors import DomainError
-from rollslip.models import RibContact
+from rollslip.models import RibContact, RibModel
+from rollslip_kernels.slices import Conditions
 
-#: Speed V_s from which on steps of the sliding speed are in proportion to it [m/s]. Half and twice the value change
-#: torques of an NJ 2312 by less than 1e-5; chosen, a quarter of the speed over which built-in laws change their sign.
+#: What compiled spins take of ribs: tables, first loads, weights, leads, linear speed, limit, height.
+RibArguments: TypeAlias = tuple[Array, NDArray[np.intp], Array, Array, float, float, float]
+
+#: Speed V_s from which on steps of the sliding speed are in proportion to it [m/s]. With twice the value torques of an
+#: NJ 2312 have an error of 5e-5 of the largest; chosen, a quarter of the speed over which built-in laws change their
+#: sign.
 _LINEAR_SPEED: Final = 2.5e-3
-#: Steps of the sliding speed. Twice as many change torques of an NJ 2312 by less than 1e-5; chosen.
-_SPEED_STEPS: Final = 96
+#: Steps of the sliding speed. Torques of an NJ 2312 have an error of 1e-5 of the largest, 3e-4 with three quarters as
+#: many, at which a tanh is no longer resolved; chosen.
+_SPEED_STEPS: Final = 64
 #: Largest sliding speed over the sum of the surface speeds of both ribs. Beyond it friction is constant. Doubling it
 #: makes steps a few per cent longer; chosen, more than rollers reach on their way to a balance.
 _SPEED_RANGE: Final = 4.0
-#: Cage slips of the table, from -1 to 1. Twice as many change torques of an NJ 2312 by less than 1e-5; chosen.
+#: Cage slips of the table, from -1 to 1. Torques of an NJ 2312 have an error of 1e-5 of the largest, 3e-3 at a slip of
+#: 40 % with seven slips; twice as many change nothing. Chosen.
 _CAGE_SLIPS: Final = np.linspace(-1.0, 1.0, 11)
-#: Smallest load of the table over the axial load; below it the coefficient is constant. Half and twice the value change
-#: torques by less than 1e-6; chosen, because such loads have no effect on a roller.
+#: Smallest load of the table over the axial load; below it the coefficient is constant. Chosen, because such loads have
+#: no effect on a roller.
 _SMALLEST_LOAD: Final = 1e-6
-#: Steps of the logarithm of the load. Twice as many change torques of an NJ 2312 by less than 1e-5; chosen.
-_LOAD_STEPS: Final = 36
+#: Steps of the logarithm of the load. Torques of an NJ 2312 have an error of 3e-5 of the largest, 1e-4 with three
+#: quarters as many, 8e-6 with half as many more; chosen.
+_LOAD_STEPS: Final = 24
 #: Lower bound of the rolling speed in the film [m/s], as of raceways: `spins.MIN_FILM_SPEED`.
 _MIN_FILM_SPEED: Final = 1e-3
 
 
-def _cubic_weights(at: Array, n: int) -> tuple[np.ndarray, Array]:
-    """Return the first of four grid points and their weights (m, 4) for abscissae in steps of a grid of n points."""
+def _cubic_weights(at: Array, n: int) -> tuple[NDArray[np.intp], Array]:
+    """Return the first of four of n grid points (m,), and their weights (m, 4), at abscissae in steps of the grid."""
     first = np.clip(np.floor(at).astype(np.intp) - 1, 0, n - 4)
-    t = (at - first)[:, None] - np.arange(4.0)
-    weights = np.stack(
-        (
-            t[:, 1] * t[:, 2] * t[:, 3] / -6.0,
-            t[:, 0] * t[:, 2] * t[:, 3] / 2.0,
-            t[:, 0] * t[:, 1] * t[:, 3] / -2.0,
-            t[:, 0] * t[:, 1] * t[:, 2] / 6.0,
-        ),
-        axis=1,
+    t = at - first
+    weights = (
+        (t - 1.0) * (t - 2.0) * (t - 3.0) / -6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (t - 3.0) / -2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
     )
-    return first, weights
+    return first, np.stack(weights, axis=1)
+
+
+def rib_friction(assembly: Assembly) -> "RibFriction | None":
+    """Return the friction of the ribs of a bearing; None without axial load.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing. Those that differ in slices alone share a table.
+    """
+    if (pair := assembly.ribs) is None:
+        return None
+    assert assembly.rib is not None
+    load = assembly.scene.operation.axial_load or 0.0
+    given = (assembly.rib, pair, assembly.rib_conditions, assembly.kinematics, load)
+    try:
+        hash(given)
+    except TypeError:  # a law with a parameter that is not hashable
+        return RibFriction(*given)
+    return _cached(*given)
 
 
 class RibFriction:
@@ -56,32 +85,38 @@ class RibFriction:
 
     Parameters
     ----------
-    assembly : Assembly
-        The bearing, with ribs that carry an axial load.
+    law : RibModel
+        Friction of a rib.
+    pair : RibPair
+        Geometry of the ribs.
+    conditions : tuple of Conditions
+        Of the contacts with inner and outer rib.
+    kinematics : Kinematics
+        Of the bearing.
+    load : float
+        Axial load [N].
     """
 
-    def __init__(self, assembly: Assembly) -> None:
-        pair = assembly.ribs
-        assert pair is not None
-        assert assembly.rib is not None
+    def __init__(
+        self,
+        law: RibModel,
+        pair: RibPair,
+        conditions: tuple[Conditions, Conditions],
+        kinematics: Kinematics,
+        load: float,
+    ) -> None:
         self.pair = pair
-        self._kinematics = assembly.kinematics
-        self._law = assembly.rib
-        self._conditions = assembly.rib_conditions
-        load = assembly.scene.operation.axial_load or 0.0
+        self._kinematics = kinematics
+        self._law = law
+        self._conditions = conditions
         self._log_loads = np.linspace(
             np.log(_SMALLEST_LOAD * load), np.log(1.1 * load), _LOAD_STEPS + 1
         )
         speeds = self._surface_speeds(np.array([-1.0, 1.0]))
         largest = _SPEED_RANGE * float(np.abs(speeds).max(axis=1).sum())
-        #: Largest abscissa asinh(V/V_s) of the curves.
-        self.limit = float(np.arcsinh(largest / _LINEAR_SPEED))
-        self._tables = [self._table(ring) for ring in range(2)]
-
-    @property
-    def linear_speed(self) -> float:
-        """Speed V_s of the abscissa [m/s]."""
-        return _LINEAR_SPEED
+        #: largest abscissa asinh(V/V_s) of the curves
+        self._limit = float(np.arcsinh(largest / _LINEAR_SPEED))
+        self._tables = np.stack([self._table(ring) for ring in range(2)])
 
     def _surface_speeds(self, slips: Array) -> Array:
         """Surface speeds of both ribs relative to the cage [m/s], (2, n)."""
@@ -97,9 +132,9 @@ class RibFriction:
 
     def _table(self, ring: int) -> Array:
         """Coefficients and their slopes over the abscissa, (cage slips, loads, speeds, 2)."""
-        step = 2.0 * self.limit / _SPEED_STEPS
+        step = 2.0 * self._limit / _SPEED_STEPS
         # two more on each side, for slopes of fourth order
-        abscissa = step * (np.arange(_SPEED_STEPS + 5) - 2.0) - self.limit
+        abscissa = step * (np.arange(_SPEED_STEPS + 5) - 2.0) - self._limit
         sliding = _LINEAR_SPEED * np.sinh(abscissa)
         surface = self._surface_speeds(_CAGE_SLIPS)[ring]
         half = 0.5 if ring else -0.5
@@ -124,8 +159,40 @@ class RibFriction:
         ) / 12.0
         return np.stack((values[..., 2:-2], slopes), axis=-1)
 
-    def curves(self, slips: Array, loads: Array) -> Array:
-        """Return friction [N] and its slope per step of the abscissa at the nodes, (2, n K, nodes, 2).
+    def tables(self, slips: Array) -> Array:
+        """Return coefficients of friction, and slopes per step of the abscissa, (2, n, loads, speeds, 2).
+
+        Parameters
+        ----------
+        slips : ndarray
+            Cage slips, (n,).
+        """
+        n_slips = _CAGE_SLIPS.size
+        first, weights = _cubic_weights((slips + 1.0) / 2.0 * (n_slips - 1), n_slips)
+        at_slips = np.zeros((slips.size, n_slips))
+        at_slips[np.arange(slips.size)[:, None], first[:, None] + np.arange(4)] = weights
+        # without threads, unlike a product of matrices
+        return np.asarray(np.einsum("sn,rn...->rs...", at_slips, self._tables))
+
+    def pocket_arguments(
+        self, slips: Array, loads: Array
+    ) -> tuple[Array, Array, float, float, float, float, float]:
+        """Return what compiled marches through the pockets take of the ribs.
+
+        Parameters
+        ----------
+        slips : ndarray
+            Cage slips, (n,).
+        loads : ndarray
+            Forces of the ribs over the orbit of each cage slip, both ends included [N], (n, m + 1).
+        """
+        smallest = float(self._log_loads[0])
+        step = float(self._log_loads[1]) - smallest
+        abscissa = (_LINEAR_SPEED, self._limit)
+        return self.tables(slips), loads, smallest, step, *abscissa, self.pair.height
+
+    def arguments(self, slips: Array, loads: Array) -> RibArguments:
+        """Return what compiled spins take of the ribs, at the positions of the orbit of each cage slip.
 
         Parameters
         ----------
@@ -134,19 +201,21 @@ class RibFriction:
         loads : ndarray
             Forces of the ribs at the positions of the orbit of each cage slip [N], (n K,).
         """
-        n_slips = _CAGE_SLIPS.size
-        first, weights = _cubic_weights((slips + 1.0) / 2.0 * (n_slips - 1), n_slips)
-        logs = np.log(np.maximum(loads, np.exp(self._log_loads[0])))
-        steps = (logs - self._log_loads[0]) / (self._log_loads[1] - self._log_loads[0])
-        first_load, load_weights = _cubic_weights(steps, self._log_loads.size)
-        load_weights = load_weights * loads[:, None]
-        rows = np.repeat(np.arange(slips.size), loads.size // slips.size)
-        curves = np.zeros((2, loads.size, _SPEED_STEPS + 1, 2))
-        for ring, table in enumerate(self._tables):
-            at_slips = sum(weights[:, k, None, None, None] * table[first + k] for k in range(4))
-            for k in range(4):
-                curves[ring] += load_weights[:, k, None, None] * at_slips[rows, first_load + k]
-        return curves
+        smallest = self._log_loads[0]
+        logs = np.log(np.maximum(loads, np.exp(smallest)))
+        first, weights = _cubic_weights(
+            (logs - smallest) / (self._log_loads[1] - smallest), self._log_loads.size
+        )
+        leads = np.repeat(self.leads(slips), loads.size // slips.size, axis=1)
+        return (
+            self.tables(slips),
+            first,
+            weights * loads[:, None],
+            leads,
+            _LINEAR_SPEED,
+            self._limit,
+            self.pair.height,
+        )
 
     def leads(self, slips: Array) -> tuple[Array, Array]:
         """Return the sliding speeds of both ribs without roller slip [m/s], (n,) each."""
@@ -165,3 +234,7 @@ class RibFriction:
         inner, outer = self.leads(np.array([slip]))
         spin = self._kinematics.epicyclic_roller_speed * self.pair.spin_radius * roller_slips
         return np.stack((inner + spin, outer - spin))
+
+
+#: Makes tables, and stores those of the last bearings: a run needs one bearing at several resolutions.
+_cached = lru_cache(maxsize=8)(RibFriction)

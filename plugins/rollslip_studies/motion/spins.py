@@ -57,7 +57,7 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.orbit_loads import orbit_loads
-from rollslip_studies.motion.rib_friction import RibFriction
+from rollslip_studies.motion.rib_friction import RibArguments, rib_friction
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -250,8 +250,7 @@ class Spins:
         min_film_speed: float = 0.0,  # lower bound of the speed in the film [m/s], 0 for none
         pocket: float = 0.0,  # coefficient of friction in the pockets
         brakes: Array | None = None,  # further moments that brake the spins [N m], (positions,)
-        # Friction curves of the ribs, as the kernel takes them.
-        ribs: tuple[Array, Array, float, float, float] | None = None,
+        ribs: RibArguments | None = None,  # friction of the ribs, as the kernel takes it
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
@@ -332,11 +331,7 @@ class Motions:
         #: 1 or -1: that in which the kinematics let the rollers orbit
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
         #: friction of the ribs, None without axial load
-        self.ribs = (
-            None
-            if assembly.ribs is None
-            else assembly.cached("ribs", (), lambda: RibFriction(assembly))
-        )
+        self.ribs = rib_friction(assembly)
         # whether torques act on rollers and cage without slip
         self.resists = (
             assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0 or self.ribs is not None
@@ -503,18 +498,10 @@ class Motions:
             pocket=self.pocket,
             tables=self._tables[n_loads is None],
             brakes=None if brakes is None else brakes.ravel(),
-            ribs=self._rib_curves(slips),
+            ribs=None if self.ribs is None else self.ribs.arguments(slips, self._last[2]),
         )
         spins.kernel.set_leads(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
-
-    def _rib_curves(self, slips: Array) -> tuple[Array, Array, float, float, float] | None:
-        """Friction curves of the ribs at cage slips whose contacts were requested last; None without axial load."""
-        if (ribs := self.ribs) is None:
-            return None
-        leads = np.repeat(ribs.leads(slips), self.positions, axis=1)
-        curves = ribs.curves(slips, self._last[2])
-        return curves, leads, ribs.linear_speed, ribs.limit, ribs.pair.height
 
     # The march --------------------------------------------------------------------------------------------------------
 
