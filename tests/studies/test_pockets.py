@@ -145,7 +145,7 @@ def test_without_play_the_torque_is_that_of_rollers_set_in_the_cage(change):
 
 @pytest.mark.parametrize("change", [{}, {"operation.inner_speed": "-2000 rpm"}], ids=str)
 def test_under_axial_load_the_play_adds_to_the_torque_of_tilted_rollers(change):
-    """Tables over the force of a roller do not know its tilt: 16 % of the torque here, which is no effect of the play."""
+    """Tables over the force of a roller do not know its tilt: 16 % of the torque here, and no effect of the play."""
     balance = SteadySlip().balance(assembled(SCENES["b"], RIBS | change))
     slips = np.array([0.02, 0.05, 0.2])
     expected = balance.torques(slips)

@@ -297,7 +297,10 @@ class BalanceWithPlay:
         torques = motions.torque
         is_known = np.isfinite(torques) & (motions.is_periodic == 1.0)
         if self.balance.assembly.ribs is not None:
-            slips, corrections = self._tilt_correction
+            if cage_slips.size == 1 and "_tilt_correction" not in self.__dict__:
+                slips, corrections = self._tilt_corrections(cage_slips)
+            else:
+                slips, corrections = self._tilt_correction
             torques = torques + np.interp(cage_slips, slips, corrections)
         if is_known.all():
             return torques
@@ -308,8 +311,11 @@ class BalanceWithPlay:
 
     @cached_property
     def _tilt_correction(self) -> tuple[Array, Array]:
+        """Slips, and the corrections of torques there [N m]."""
+        return self._tilt_corrections(_CORRECTED_SLIPS)
+
+    def _tilt_corrections(self, slips: Array) -> tuple[Array, Array]:
         """Slips, and what the tilt of rollers under axial load adds to torques by tables of friction there [N m]."""
-        slips = _CORRECTED_SLIPS
         without = self.pockets.with_play(0.0).march(slips)
         corrections = self._torques_without(slips) - without.torque
         is_known = np.isfinite(corrections) & (without.is_periodic == 1.0)
