@@ -120,7 +120,7 @@ class Skf(TorqueFormula):
     f_t = sin(t/2) (1 for t > pi), R_s = 0.36 d_m^2 (t - sin t) 0.05 K_Z (d + D)/(D - d), cos(t/2) = 1 - H/(0.6 d_m).
 
     The catalogue has it in N mm with lengths in mm, nu in mm2/s and n in 1/min; here it comes out in N m. A term of
-    S_1 d_m^0.9 F_a, by which sliding rises with axial load, is left out: there is no such load here.
+    S_1 d_m^0.9 F_a, by which sliding rises with axial load, is left out.
 
     Symbols:
 

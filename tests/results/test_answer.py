@@ -103,6 +103,7 @@ THRESHOLDS = [
     ("V10", {"choice": 0.2001}, {"choice": 0.2}, "V9"),
     ("V11", {"viscosity_ratio": 100.1}, {"viscosity_ratio": 100.0}, "V9"),
     ("V12", {"film": 0.0999}, {"film": 0.1}, "V9"),
+    ("V13", {"axial_ratio": 0.501}, {"axial_ratio": 0.5}, "V9"),
 ]
 
 

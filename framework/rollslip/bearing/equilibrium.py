@@ -245,8 +245,8 @@ class LoadDistribution:
     moment: Floats
     #: Force of each of the two ribs of a roller [N], (n_positions, Z); zero without axial load.
     rib_force: Floats
-    #: Axial displacement of the inner ring from where straight rollers touch both ribs, or where tapered ones touch both
-    #: raceways [m], (n_positions,).
+    #: Axial displacement of the inner ring from where straight rollers touch both ribs, or tapered ones both raceways
+    #: [m], (n_positions,).
     axial_displacement: Floats
     #: Largest unbalanced force of a roller or the ring, relative to the largest of F_r, F_c and the contact forces; if
     #: F_r and F_c are zero, also of the contact forces at the start of the iteration.

@@ -24,7 +24,8 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
         Dimensions (ring, instant, roller), where "instant" is the roller position: normal_force;
         (ring, instant, roller, slice): load_per_length; (instant, direction): displacement;
         (ring, instant, orbit_angle): raceway_shape, from its form, at the first position, and the bending of the ring;
-        (instant,): moment; attributes force_residual and moment_residual, relative.
+        (instant, roller): roller_tilt, rib_force;
+        (instant,): moment, axial_displacement; attributes force_residual and moment_residual, relative.
 
     Raises
     ------
@@ -74,6 +75,18 @@ def load_distribution(scene: Scene | str, n_positions: int = 1) -> "xr.Dataset":
                 ("ring", "instant", "orbit_angle"),
                 shape,
                 about("m", "how far the raceway stands outwards of a circle"),
+            ),
+            "rib_force": (
+                ("instant", "roller"),
+                loads.rib_force,
+                about("N", "force of each rib of the roller"),
+            ),
+            "axial_displacement": (
+                "instant",
+                loads.axial_displacement,
+                about(
+                    "m", "axial displacement of the inner ring from where rollers touch both ribs"
+                ),
             ),
             "moment": (
                 "instant",

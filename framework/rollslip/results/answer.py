@@ -80,6 +80,7 @@ class Fact(enum.StrEnum):
     RESERVE = "reserve to skidding"
     VISCOSITY_RATIO = "viscosity ratio kappa"
     FILM_PARAMETER = "film parameter Lambda"
+    AXIAL_RATIO = "axial over radial load"
 
 
 #: Verdicts from the best to the worst. A bearing that slips more, or of which less is known, never gets a better one.
@@ -284,6 +285,10 @@ RULES: Final = (
          remark="kappa above 100 is outside the range of the models"),
     Rule(code="V12", verdict=Verdict.UNKNOWN, conditions=((Fact.FILM_PARAMETER, "<", 0.1),), row="film_parameter",
          remark="Lambda below 0.1 is outside the range of the models"),
+    Rule(code="V13", verdict=Verdict.UNKNOWN, conditions=((Fact.AXIAL_RATIO, ">", 0.5),), row="axial_load",
+         remark="above half of the radial load, friction of the ribs decides",
+         source="SKF, general catalogue 17000: at most half of the radial load",
+         remedy="more radial load, or models.rib by a measurement"),
     Rule(code="V6", verdict=Verdict.SLIPS, conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
          remark="above the acceptable {acceptable}", open_remark="may be above the acceptable {acceptable}",
          source="what a scene calls acceptable, by default a choice"),

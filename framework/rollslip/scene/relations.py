@@ -378,6 +378,20 @@ RELATIONS: Final = (
         "from there on weight decides which rollers are loaded; without load clearance does",
     ),
     Relation(
+        "operation",
+        "axial_load",
+        lambda scene: (
+            (scene.operation.axial_load or math.nan) / (scene.operation.radial_load or math.nan)
+            if scene.bearing.contact_angle is None
+            else math.nan
+        ),
+        "1",
+        "of the radial load",
+        (0, 0.5),
+        (-math.inf, math.inf),
+        "SKF, general catalogue 17000: ribs of cylindrical roller bearings bear at most half of the radial load",
+    ),
+    Relation(
         "lubrication",
         "oil_level",
         lambda scene: (

@@ -66,6 +66,8 @@ _ASSUMED_CONTAMINATION: Final = 0.5
 _MAX_LOAD_FRACTION: Final = 0.5
 #: Load over dynamic rating below which makers expect rollers to slide.
 _MIN_LOAD_RATIO: Final = 0.02
+#: Axial over radial load up to which makers leave it out of P: 0.2 of series 10, 2, 3 and 4, 0.3 of others (C).
+_MAX_AXIAL_RATIO: Final = 0.2
 #: Tilt of the rings up to which the edge factor of ISO/TS 16281 holds [rad]: 4 minutes of arc.
 _MAX_TILT: Final = math.radians(4.0 / 60.0)
 
@@ -380,7 +382,10 @@ def _limits(assembly: Assembly, duty: LifeDuty) -> list[str]:
     scene = assembly.scene
     over_static = duty.radial_load / scene.bearing.static_rating
     over_dynamic = duty.radial_load / duty.dynamic_rating
+    axial = (scene.operation.axial_load or 0.0) / max(duty.radial_load, 1e-300)
     conditions = {
+        f"the axial load is {axial:.2g} of the radial one: above {_MAX_AXIAL_RATIO:g} makers add it to P, and edges of "
+        "ribs are not rated": axial > _MAX_AXIAL_RATIO,
         f"P is {over_static:.2f} C0: above {_MAX_LOAD_FRACTION:g} C0 raceways yield": over_static
         > _MAX_LOAD_FRACTION,
         f"P is {over_dynamic:.2g} C: below {_MIN_LOAD_RATIO:g} C rollers may slide, which a rating life leaves out": (

@@ -518,7 +518,13 @@ def _log_steady_slip(
 
 
 def _load_search(nominal: Assembly, slip: float) -> _Factor | None:
-    """Return the function that finds the factor of the load at which a slip is steady; NaN without a stable one."""
+    """Return the function that finds the factor of the load at which a slip is steady; NaN without a stable one.
+
+    The search begins at the radial load, or at the axial one where ribs alone are loaded; without load there is none.
+    """
+    operation = nominal.scene.operation
+    if not (start_load := operation.radial_load or operation.axial_load or 0.0) > 0.0:
+        return None
     nominal_balance = torque_balance(nominal, n_positions=1, inertia=False)
 
     def log_load(
@@ -533,7 +539,7 @@ def _load_search(nominal: Assembly, slip: float) -> _Factor | None:
         log, own_slope = _root_by_secants(excess, start, math.inf, slope)
         return log if own_slope > 0.0 else math.nan, own_slope
 
-    return _factors(log_load, nominal, nominal.scene.operation.load, lambda log: log)
+    return _factors(log_load, nominal, start_load, lambda log: log)
 
 
 def _root_by_secants(

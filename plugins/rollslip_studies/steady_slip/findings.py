@@ -25,6 +25,7 @@ from rollslip.results.text import (
 )
 from rollslip.results.text import precise_percent as _percent
 from rollslip.units import format_quantity
+from rollslip_studies.steady_slip.axial_findings import axial_load_of, axial_row, describe_ribs
 from rollslip_studies.steady_slip.play_findings import (
     assumed_without_play,
     describe_play,
@@ -154,6 +155,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             within=0.02,
             slip=slip,
         )
+    yield axial_row(dataset, state)
     yield _torque_row(dataset, state)
     yield _film_row(dataset, state)
     if clearance is not None:
@@ -174,6 +176,13 @@ def _clearance(scene: Mapping[str, Any]) -> float | None:
     """Return the clearance of a resolved scene [m]; None of a tapered bearing, which has none under load."""
     bearing = scene.get("bearing", {})
     return None if "contact_angle" in bearing else bearing.get("radial_clearance")
+
+
+def _facts(dataset: "xr.Dataset", kappa: float) -> dict[Fact, float]:
+    """Return the facts that are not among the rows: the viscosity ratio, and the axial over the radial load."""
+    axial, ratio = axial_load_of(dataset)
+    facts = {} if math.isnan(kappa) else {Fact.VISCOSITY_RATIO: kappa}
+    return facts | ({Fact.AXIAL_RATIO: ratio} if axial > 0.0 else {})
 
 
 def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
@@ -708,7 +717,7 @@ class SteadySlipAccount(Account):
             acceptable=acceptable,
             assumed=assumed_without_play(dataset),
             commands=_next(dataset, rows),
-            facts={} if math.isnan(kappa) else {Fact.VISCOSITY_RATIO: kappa},
+            facts=_facts(dataset, kappa),
         )
         return with_assumptions(answer, dataset)
 
@@ -719,6 +728,7 @@ class SteadySlipAccount(Account):
             "steady slip": _describe_steady_slips(dataset)
             + describe_play(dataset)
             + describe_pockets(dataset),
+            **({"axial load": ribs} if (ribs := describe_ribs(dataset)) else {}),
             "limit drag torque": [_describe_limit_drag(dataset)],
             **(
                 {"losses": _describe_losses(dataset)}

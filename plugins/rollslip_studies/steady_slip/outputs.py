@@ -8,6 +8,7 @@ from rollslip.results.text import Status
 from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.steady_slip.torque import FORMULA_OUTPUTS
 from rollslip_studies.effective_friction.raceways import REGIMES
+from rollslip_studies.steady_slip.axial import AXIAL_OUTPUTS
 
 #: Name of an operating condition over which slips can be followed -> (unit, name in texts).
 VARIED: Final = {
@@ -237,6 +238,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
         **LOSSES,
+        **AXIAL_OUTPUTS,
         **PLAY_OUTPUTS,
         **RATIO,
         **FORMULA_OUTPUTS,

@@ -7,6 +7,7 @@
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any, Final
 
 import attrs
@@ -28,6 +29,8 @@ _Changes = Mapping[str, object]
 _PROFILES: Final = {"iso16281": "logarithmic", "none": "none"}
 #: Supplies of oil among which a scene may leave the choice open; users of mist and grease know that they have it.
 _OIL_SUPPLIES: Final = ("bath", "splash", "circulating", "jet")
+#: Coefficients of friction of ribs beside a film: of full films of all contacts, and of boundary friction.
+_RIB_COEFFICIENTS: Final = (0.02, 0.1)
 #: Classes of clearance beside CN: smaller and larger.
 _CLASSES: Final = ("C2", "C3")
 #: Name of a fit beside the usual ones -> key and fit: of light and of heavy loads on a shaft that turns, and of a
@@ -73,7 +76,13 @@ def open_choices(scene: Scene) -> Iterator[Choice]:
     """
     stated = stated_values(scene)
     name = as_table(scene.tables.get("bearing")).get("name")
-    for choice in (*_of_bearing(scene, name), *_of_cage(scene, name), *_of_clearance(scene, name)):
+    every = (
+        _of_bearing(scene, name),
+        _of_cage(scene, name),
+        _of_clearance(scene, name),
+        _of_ribs(scene),
+    )
+    for choice in chain(*every):
         keys = (choice.key, *_MADE_BY.get(choice.key, ()))
         if choice.alternatives and not any(states(stated, key) for key in keys):
             yield choice
@@ -146,6 +155,23 @@ def _of_cage(scene: Scene, name: Any) -> Iterator[Choice]:
         },
         grade="(D)",
         source="makes of cages, each with its typical mass, pockets and guidance",
+    )
+
+
+def _of_ribs(scene: Scene) -> Iterator[Choice]:
+    """Yield the choice of the friction of ribs, where these carry an axial load."""
+    if not scene.operation.axial_load:
+        return
+    yield Choice(
+        key="models.rib",
+        label="rib friction",
+        present=scene.models.rib_friction.name,
+        alternatives={
+            str(value): {"models.rib": {"model": "constant", "coefficient": value}}
+            for value in _RIB_COEFFICIENTS
+        },
+        grade="(D)",
+        source="0.02 of SKF's full films, and 0.1 of ribs that roller ends touch at an edge (B)",
     )
 
 

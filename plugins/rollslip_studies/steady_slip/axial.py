@@ -1,0 +1,97 @@
+"""Axial load on ribs: forces, pressures and contact circles of ribs, and the largest axial loads of makers."""
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from rollslip.results.dataset import about
+from rollslip.scene.values import Scene
+from rollslip.studies.answers import Output
+from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+
+__all__ = ["AXIAL_OUTPUTS", "AXIAL_RULES", "axial_variables"]
+
+#: Variables of a bearing under axial load, by name.
+AXIAL_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "rib_force": Output("steady", "N", "largest force of a rib", status="status"),
+        "rib_pressure": Output("steady", "Pa", "largest pressure on a rib after Hertz"),
+        "rib_contact_radius": Output("steady", "m", "largest radius of a contact circle on a rib"),
+        "rib_height": Output("", "m", "height of the contacts above the raceways"),
+        "axial_limit": Output("axial_rule", "N", "largest axial load by a rule of makers"),
+    }
+)
+#: Factor k_1 of SKF's axial load by heat with oil [1]; 1.0 with grease (B).
+_HEAT_BY_RATING: Final = 1.5
+#: Factor k_2 of that load with oil [1]; 0.1 with grease (B).
+_HEAT_BY_LOAD: Final = 0.15
+
+
+def _outside(scene: Scene) -> float:
+    """Return the outside diameter of a bearing [mm]."""
+    return 1e3 * scene.bearing.boundaries[1]
+
+
+def _strength(scene: Scene) -> float:
+    """Return SKF's axial load by the strength of ribs [N]: 0.0045 D^1.5 kN in series 2, 0.0023 D^1.7 kN elsewhere."""
+    catalogue = scene.bearing.catalogue
+    if catalogue is not None and catalogue.series == "2":
+        return 4.5 * math.pow(_outside(scene), 1.5)
+    return 2.3 * math.pow(_outside(scene), 1.7)
+
+
+def _heat(scene: Scene) -> float:
+    """Return SKF's axial load by the heat of ribs [N]: k_1 C_0 10^4/(n (d + D)) - k_2 F_r, kN, mm and 1/min."""
+    o = scene.operation
+    speed = abs(o.inner_speed - o.outer_speed) * 30.0 / math.pi
+    bore = 1e3 * scene.bearing.boundaries[0]
+    rated = _HEAT_BY_RATING * scene.bearing.static_rating * 1e4 / (speed * (bore + _outside(scene)))
+    return max(rated - _HEAT_BY_LOAD * o.radial_load, 0.0)
+
+
+#: Rule -> axial load [N] up to which it goes. SKF, general catalogue 17000, axial load of cylindrical bearings (B).
+AXIAL_RULES: Final[Mapping[str, Callable[[Scene], float]]] = MappingProxyType(
+    {
+        "0.5 F_r": lambda scene: 0.5 * scene.operation.radial_load,
+        "SKF strength": _strength,
+        "SKF heat": _heat,
+    }
+)
+
+
+def axial_variables(
+    balance: TorqueBalance, states: list[Orbit], *, steady: bool
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the variables of a bearing under axial load and their coordinates; empty without such a load.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        Of the bearing.
+    states : list of Orbit
+        Motions of the rollers.
+    steady : bool
+        Whether the states are those at steady slips; without these forces are NaN.
+    """
+    assembly = balance.assembly
+    if (ribs := assembly.ribs) is None:
+        return {}, {}
+    slips = [state.cage_slip for state in (states if steady else states[:1])]
+    largest = np.array([float(balance.motions.loads(np.array([slip]))[2].max()) for slip in slips])
+    if not steady:
+        largest[:] = np.nan
+    radius = np.maximum(*(ribs.contact_radius(largest, ring) for ring in range(2)))
+    smaller = np.minimum(*(ribs.contact_radius(largest, ring) for ring in range(2)))
+    values = {
+        "rib_force": largest,
+        "rib_pressure": 1.5 * largest / (np.pi * smaller**2),
+        "rib_contact_radius": radius,
+        "rib_height": ribs.height,
+        "axial_limit": np.array([rule(assembly.scene) for rule in AXIAL_RULES.values()]),
+    }
+    variables = {name: AXIAL_OUTPUTS[name].variable(value) for name, value in values.items()}
+    rules = "axial_rule", list(AXIAL_RULES), about("1", "rule for the largest axial load")
+    return variables, {"axial_rule": rules}
