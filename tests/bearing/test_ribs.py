@@ -18,7 +18,7 @@ from rollslip_plugins.contact import Palmgren
 
 pytestmark = pytest.mark.quick
 
-#: Forces of ribs and on the inner ring of the prototype in `test_forces_are_those_of_the_prototype` [N].
+#: Forces of ribs of the prototype in `test_forces_are_those_of_the_prototype` [N].
 PROTOTYPE_RIBS = [
     127.116066,
     40.568201,
@@ -34,6 +34,7 @@ PROTOTYPE_RIBS = [
     2.464177,
     107.673964,
 ]
+#: The same on the inner ring [N].
 PROTOTYPE_INNER = [
     842.35219,
     129.287101,

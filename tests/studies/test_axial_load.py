@@ -10,7 +10,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.planning.plausibility import implausible
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import Fact
-from rollslip_studies.steady_slip.axial import AXIAL_RULES
+from rollslip_studies.steady_slip.axial.limits import AXIAL_RULES
 from rollslip_studies.variation.choices import open_choices
 from rollslip_studies.variation.scatter import scattering
 

@@ -34,7 +34,7 @@ from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_pos
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated, slicing
-from rollslip.bearing.ribs import RibPair, rib_pair
+from rollslip.bearing.ribs import RibPair
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
@@ -354,8 +354,21 @@ class Assembly:
     @property
     def ribs(self) -> RibPair | None:
         """The ribs that carry the axial load; None without such a load."""
-        moduli = self.inner.conditions.modulus, self.outer.conditions.modulus
-        return rib_pair(self.scene, self.kinematics, moduli)
+        geometry = self.scene.bearing.ribs
+        if self.rib is None or geometry is None:
+            return None
+        k = self.kinematics
+        spin_radius = k.roller_radius - geometry.height
+        end_radius = geometry.end_radius
+        if end_radius is None:
+            end_radius = spin_radius / math.sin(geometry.angle)
+        return RibPair(
+            geometry.height,
+            end_radius,
+            spin_radius,
+            (k.inner_radius + geometry.height, k.outer_radius - geometry.height),
+            (self.inner.conditions.modulus, self.outer.conditions.modulus),
+        )
 
     @property
     def rib_conditions(self) -> tuple[Conditions, Conditions]:

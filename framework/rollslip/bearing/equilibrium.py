@@ -175,6 +175,9 @@ class LoadCase:
                 "a misaligned ring loads rollers unevenly along their length: use more than one slice"
             )
 
+        self._check_ribs()
+
+    def _check_ribs(self) -> None:
         if self.contact_angle == 0.0 and (self.ribs is not None) != (self.axial_load > 0.0):
             raise ValueError(
                 f"axial_load is {self.axial_load} N: ribs carry it, and are given with such a load alone"

@@ -229,7 +229,7 @@ def tilting(scene: Scene) -> str:
         "the misalignment": scene.operation.misalignment != 0.0,
         "the axial load": bool(scene.operation.axial_load),
     }
-    return " and ".join(cause for cause, holds in causes.items() if holds)
+    return " and ".join(cause for cause, is_there in causes.items() if is_there)
 
 
 def slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:

@@ -12,10 +12,9 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.scene.values import Scene
 from rollslip.search import Array
 
-__all__ = ["RibPair", "rib_pair"]
+__all__ = ["RibPair"]
 
 
 @attrs.frozen
@@ -77,31 +76,3 @@ class RibPair:
             inner + self.height * (k.direction * k.inner_speed - cage + spin),
             outer + self.height * (cage - k.direction * k.outer_speed - spin),
         )
-
-
-def rib_pair(scene: Scene, kinematics: Kinematics, moduli: tuple[float, float]) -> RibPair | None:
-    """Return the ribs that carry the axial load of a scene; None where there is no such load.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    kinematics : Kinematics
-        Of the bearing.
-    moduli : tuple of float
-        Equivalent moduli of a roller and inner and outer ring [Pa].
-    """
-    ribs = scene.bearing.ribs
-    if ribs is None or not scene.operation.axial_load:
-        return None
-    spin_radius = kinematics.roller_radius - ribs.height
-    end_radius = ribs.end_radius
-    if end_radius is None:
-        end_radius = spin_radius / math.sin(ribs.angle)
-    return RibPair(
-        ribs.height,
-        end_radius,
-        spin_radius,
-        (kinematics.inner_radius + ribs.height, kinematics.outer_radius - ribs.height),
-        moduli,
-    )

@@ -10,7 +10,6 @@ from rollslip.models.domains import (
     in_unit,
     interval,
 )
-from rollslip.models.ribs import RibContact, RibModel
 from rollslip.models.scene_values import SCENE_VALUES, from_scene, left_to_scene
 from rollslip.models.stages import (
     ContactModel,
@@ -21,6 +20,8 @@ from rollslip.models.stages import (
     PocketFriction,
     PressureModel,
     ResistanceModel,
+    RibContact,
+    RibModel,
     SliceModel,
     TractionModel,
     common_domain,

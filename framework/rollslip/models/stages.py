@@ -1,4 +1,4 @@
-"""Base classes of contact, film, traction, drag and integrator models.
+"""Base classes of contact, film, traction, drag, rib and integrator models.
 
 - A model is an immutable value: equal parameters and slices give the same result. Its parameters are its attrs fields.
 - Contact, film and traction models are stages of a chain, which read some members of a table of slices and fill
@@ -27,7 +27,7 @@ from rollslip.references import CitedModel
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from rollslip_kernels.slices import Slices
+    from rollslip_kernels.slices import Conditions, Slices
 
 
 def submodel(
@@ -331,6 +331,35 @@ class PocketFriction(Drag):
 
     #: Coefficient mu_p [1].
     coefficient: float
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class RibContact:
+    """Contacts of roller ends with a rib: a sphere on a plane, at n loads and speeds."""
+
+    #: Oil and steel; ``radius`` is that of the roller's end, ``length`` the height of the contact above the raceway.
+    conditions: "Conditions"
+    load: "NDArray[Any]"  #: Normal force Q [N], above 0, (n,).
+    rolling_speed: "NDArray[Any]"  #: Mean surface speed u [m/s], above 0, (n,).
+    sliding_speed: "NDArray[Any]"  #: Difference of the surface speeds V [m/s], signed, (n,).
+
+
+class RibModel(CitedModel):
+    """Friction of a roller's end on a rib; its parameters are its attrs fields.
+
+    The friction is odd in the sliding speed at the same rolling speed, takes power, and rises with the load. Where the
+    sliding speed passes zero it has no jump: a roller whose ribs do not slide would find no balance of its torques.
+    """
+
+    @abc.abstractmethod
+    def friction(self, contact: RibContact) -> "NDArray[Any]":
+        """Return the friction force [N], (n,), with the sign of the sliding speed.
+
+        Parameters
+        ----------
+        contact : RibContact
+            Loads, speeds, oil and geometry.
+        """
 
 
 class IntegratorModel(CitedModel):

@@ -39,7 +39,7 @@ from rollslip_kernels.motion import pocket as compiled
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_studies.motion.loading_branch import SEARCH
 from rollslip_studies.motion.orbit_loads import orbit_loads
-from rollslip_studies.motion.rib_friction import rib_friction
+from rollslip_studies.motion.spins import assembly_rib_friction
 from rollslip_studies.motion.torque_balance import TorqueBalance
 
 # Effects of other values were measured on the slips of the bearings in tests/studies/test_pockets.py.
@@ -203,7 +203,7 @@ class Pockets:
         """Return what compiled code finds at cage slips, with the sign of speeds."""
         speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
         forces, rib_forces = self._forces(speeds)
-        ribs = rib_friction(self.assembly)
+        ribs = assembly_rib_friction(self.assembly)
         return compiled.march(
             self._bearing,
             *self._raceways,

@@ -13,12 +13,11 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.bearing.raceway import Array
 from rollslip.bearing.ribs import RibPair
 from rollslip.errors import DomainError
 from rollslip.models import RibContact, RibModel
+from rollslip.search import Array
 from rollslip_kernels.slices import Conditions
 
 #: What compiled spins take of ribs: tables, first loads, weights, leads, linear speed, limit, height.
@@ -60,19 +59,21 @@ def _cubic_weights(at: Array, n: int) -> tuple[NDArray[np.intp], Array]:
     return first, np.stack(weights, axis=1)
 
 
-def rib_friction(assembly: Assembly) -> "RibFriction | None":
-    """Return the friction of the ribs of a bearing; None without axial load.
+def rib_friction(
+    law: RibModel,
+    pair: RibPair,
+    conditions: tuple[Conditions, Conditions],
+    kinematics: Kinematics,
+    load: float,
+) -> "RibFriction":
+    """Return the friction of the ribs of a bearing; bearings that differ in slices alone share a table.
 
     Parameters
     ----------
-    assembly : Assembly
-        The bearing. Those that differ in slices alone share a table.
+    law, pair, conditions, kinematics, load
+        As in `RibFriction`.
     """
-    if (pair := assembly.ribs) is None:
-        return None
-    assert assembly.rib is not None
-    load = assembly.scene.operation.axial_load or 0.0
-    given = (assembly.rib, pair, assembly.rib_conditions, assembly.kinematics, load)
+    given = law, pair, conditions, kinematics, load
     try:
         hash(given)
     except TypeError:  # a law with a parameter that is not hashable

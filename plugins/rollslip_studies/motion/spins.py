@@ -57,7 +57,7 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.orbit_loads import orbit_loads
-from rollslip_studies.motion.rib_friction import RibArguments, rib_friction
+from rollslip_studies.motion.rib_friction import RibArguments, RibFriction, rib_friction
 from rollslip_studies.motion.train import Train
 
 Flags: TypeAlias = NDArray[np.bool_]
@@ -237,6 +237,14 @@ class Motion:
         return self.normalised_slip * self.slip_scale
 
 
+def assembly_rib_friction(assembly: Assembly) -> RibFriction | None:
+    """Return the friction of the ribs of a bearing; None without axial load."""
+    if (pair := assembly.ribs) is None or assembly.rib is None:
+        return None
+    load = assembly.scene.operation.axial_load or 0.0
+    return rib_friction(assembly.rib, pair, assembly.rib_conditions, assembly.kinematics, load)
+
+
 class Spins:
     """Compiled torques of rollers at some positions, by which their balances and periodic motions are found."""
 
@@ -331,7 +339,7 @@ class Motions:
         #: 1 or -1: that in which the kinematics let the rollers orbit
         self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
         #: friction of the ribs, None without axial load
-        self.ribs = rib_friction(assembly)
+        self.ribs = assembly_rib_friction(assembly)
         # whether torques act on rollers and cage without slip
         self.resists = (
             assembly.inner.chain.resists or pocket > 0.0 or rubbing > 0.0 or self.ribs is not None
@@ -523,12 +531,12 @@ class Motions:
         # a first step outwards, which is doubled while it is too small: neither half nor twice of either number changes
         # torques of 62 random bearings by more than 2e-14
         step = 0.25 * (starts[:, 1] - starts[:, 0]) + 1.25 * self._max_idle_slip
-        starts[:, 1] = self._moved_start(spins, starts[:, 1] + step, step)
+        starts[:, 1] = self._extend_start(spins, starts[:, 1] + step, step)
         if self.ribs is not None:
-            starts[:, 0] = self._moved_start(spins, starts[:, 0] - step, -step)
+            starts[:, 0] = self._extend_start(spins, starts[:, 0] - step, -step)
         return starts
 
-    def _moved_start(self, spins: Spins, starts: Array, step: Array) -> Array:
+    def _extend_start(self, spins: Spins, starts: Array, step: Array) -> Array:
         """Starts of marches (n,), moved by steps that are doubled until no position moves a roller further that way."""
         while True:
             torques, _ = self._torques(spins, np.repeat(starts, self.positions))

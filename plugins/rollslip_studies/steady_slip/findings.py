@@ -25,7 +25,7 @@ from rollslip.results.text import (
 )
 from rollslip.results.text import precise_percent as _percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.axial_findings import axial_load_of, axial_row, describe_ribs
+from rollslip_studies.steady_slip.axial.findings import axial_load_of, axial_row, describe_ribs
 from rollslip_studies.steady_slip.play_findings import (
     assumed_without_play,
     describe_play,

@@ -20,6 +20,7 @@ from rollslip.studies.bounds import JOINT_FACTOR, MINIMUM_ERROR_FACTOR, richards
 from rollslip.studies.steady_slip.torque import Duty, formula_variables
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance, acceptable_reserve
+from rollslip_studies.steady_slip.axial.limits import axial_variables
 from rollslip_studies.steady_slip.evaluated import SECANT_STEP, estimate_by_secant
 from rollslip_studies.steady_slip.minimum_load import largest_excess
 from rollslip_studies.steady_slip.outputs import LOSSES, RATIO
@@ -44,7 +45,8 @@ def loss_variables(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return friction losses, friction torque and viscosity ratio as variables, and their coordinates.
 
-    The friction torques by the formulas that the scene names are among them. Losses are NaN where no slip is steady.
+    The friction torques by the formulas that the scene names are among them, and forces of ribs under axial load.
+    Losses are NaN where no slip is steady.
 
     Parameters
     ----------
@@ -71,16 +73,18 @@ def loss_variables(
         name: LOSSES[name].variable(value if steady else np.full_like(value, np.nan))
         for name, value in values.items()
     }
+    axial, rules = axial_variables(balance, states, steady=steady)
     formulas, named = formula_variables(balance.assembly)
     for name, value in zip(RATIO, Duty.of(balance.assembly).viscosity_ratio, strict=True):
         variables[name] = RATIO[name].variable(value)
-    return variables | formulas, {
+    return variables | formulas | axial, {
         "source": (
             "source",
             [loss.source for loss in balances[0].losses],
             about("1", "what loses power"),
         ),
         **named,
+        **rules,
     }
 
 

@@ -8,7 +8,6 @@ from rollslip.results.text import Status
 from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.steady_slip.torque import FORMULA_OUTPUTS
 from rollslip_studies.effective_friction.raceways import REGIMES
-from rollslip_studies.steady_slip.axial import AXIAL_OUTPUTS
 
 #: Name of an operating condition over which slips can be followed -> (unit, name in texts).
 VARIED: Final = {
@@ -84,6 +83,16 @@ PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "pocket_position": Output("pocket_angle", "1", "position in the pocket"),
         "pocket_force": Output("pocket_angle", "N", "force on the bars of the pocket"),
         "play_status": Output("", "1", "what was found of rollers with play in their pockets"),
+    }
+)
+#: Variables of a bearing under axial load, by name.
+AXIAL_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "rib_force": Output("steady", "N", "largest force of a rib", status="status"),
+        "rib_pressure": Output("steady", "Pa", "largest pressure on a rib after Hertz"),
+        "rib_contact_radius": Output("steady", "m", "largest radius of a contact circle on a rib"),
+        "rib_height": Output("", "m", "height of the contacts above the raceways"),
+        "axial_limit": Output("axial_rule", "N", "largest axial load by a rule of makers"),
     }
 )
 #: Viscosity ratio kappa.

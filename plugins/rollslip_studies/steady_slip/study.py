@@ -66,7 +66,6 @@ from rollslip_studies.motion.torque_balance import (
 )  # fmt: skip
 from rollslip_studies.motion.train import slower_by_play
 from rollslip_studies.steady_slip import band
-from rollslip_studies.steady_slip.axial import axial_variables
 from rollslip_studies.steady_slip.branches import Branch, describe_no_fold, follow
 from rollslip_studies.steady_slip.evaluated import (
     estimate_by_secant,
@@ -417,9 +416,8 @@ class SteadySlip(Study):
         )
         variables |= film_variables(self, balance, states, steady=bool(slips))
         losses, sources = loss_variables(balance, states, steady=bool(slips))
-        axial, rules = axial_variables(balance, states, steady=bool(slips))
-        coords |= sources | rules
-        variables |= losses | axial
+        coords |= sources
+        variables |= losses
         variables |= self.variables(status=describe_steady_status(balance, branch, slips))
         variables |= self._reserve(balance)
         for name, limits in self._followed_ranges.items():

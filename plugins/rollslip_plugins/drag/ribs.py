@@ -170,10 +170,10 @@ class OpenRibFilm(RibModel):
         boundary = self.boundary_coefficient * np.tanh(V / _TRANSITION_SPEED)
         stress = _stress(contact, pressure, film, a)
         outside = np.maximum((self.reach * c.length) ** 2 - a * a, 0.0)
-        beside = 2.0 * np.pi * c.radius * np.log1p(outside / (2.0 * c.radius * film))
+        factor = 2.0 * np.pi * c.radius * np.log1p(outside / (2.0 * c.radius * film))
         touching = load / (load + _TOUCHING_LOAD)
         friction = (asperities * boundary + (1.0 - asperities) * stress / pressure) * load
-        return np.asarray(self.factor * (friction + c.viscosity * V * beside * touching))
+        return np.asarray(self.factor * (friction + c.viscosity * V * factor * touching))
 
     def film_thickness(self, contact: RibContact) -> Array:
         """Return the central film thickness [m], (n,).

@@ -1,7 +1,7 @@
 """Axial load on ribs: forces, pressures and contact circles of ribs, and the largest axial loads of makers."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -9,21 +9,11 @@ import numpy as np
 
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
-from rollslip.studies.answers import Output
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+from rollslip_studies.steady_slip.outputs import AXIAL_OUTPUTS
 
-__all__ = ["AXIAL_OUTPUTS", "AXIAL_RULES", "axial_variables"]
+__all__ = ["AXIAL_RULES", "axial_variables"]
 
-#: Variables of a bearing under axial load, by name.
-AXIAL_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
-    {
-        "rib_force": Output("steady", "N", "largest force of a rib", status="status"),
-        "rib_pressure": Output("steady", "Pa", "largest pressure on a rib after Hertz"),
-        "rib_contact_radius": Output("steady", "m", "largest radius of a contact circle on a rib"),
-        "rib_height": Output("", "m", "height of the contacts above the raceways"),
-        "axial_limit": Output("axial_rule", "N", "largest axial load by a rule of makers"),
-    }
-)
 #: Factor k_1 of SKF's axial load by heat with oil [1]; 1.0 with grease (B).
 _HEAT_BY_RATING: Final = 1.5
 #: Factor k_2 of that load with oil [1]; 0.1 with grease (B).
@@ -63,7 +53,7 @@ AXIAL_RULES: Final[Mapping[str, Callable[[Scene], float]]] = MappingProxyType(
 
 
 def axial_variables(
-    balance: TorqueBalance, states: list[Orbit], *, steady: bool
+    balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the variables of a bearing under axial load and their coordinates; empty without such a load.
 
@@ -71,7 +61,7 @@ def axial_variables(
     ----------
     balance : TorqueBalance
         Of the bearing.
-    states : list of Orbit
+    states : sequence of Orbit
         Motions of the rollers.
     steady : bool
         Whether the states are those at steady slips; without these forces are NaN.

@@ -119,7 +119,7 @@ def describe_ribs(dataset: "xr.Dataset") -> list[str]:
             else f"it is {two_digits(ratio)} times the radial load"
         )
         sentences.append(
-            f"makers ask for an axial load of at most half the radial load, and {size}: rollers that ribs alone press "
+            f"makers require an axial load of at most half the radial load, and {size}: rollers that ribs alone press "
             "resist slip little, and whether the cage lags or runs ahead depends on the friction of the ribs"
         )
     return sentences
