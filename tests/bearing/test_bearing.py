@@ -7,8 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import DomainError
+from rollslip.models.profile import profile_drop, slice_positions
 
 pytestmark = pytest.mark.quick
 

@@ -13,9 +13,9 @@ from scipy.optimize import brentq, root
 
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
-from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import SliceModel
+from rollslip.models.profile import profile_drop, slice_positions
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.contact import Lundberg, Palmgren
 from rollslip_studies.motion.orbit_loads import over_pitch, solve_orbits

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import attrs
 import numpy as np
 import pytest
+from rollslip.profile import profile_drop, slice_positions
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -12,7 +13,6 @@ from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.bearing.ribs import RibPair
 from rollslip.errors import SceneError
-from rollslip.profile import profile_drop, slice_positions
 from rollslip_kernels.slices import Conditions
 from rollslip_plugins.contact import Palmgren
 

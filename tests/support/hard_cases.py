@@ -32,8 +32,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import find_critical_slip
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import ConvergenceError, DomainError, SceneError
+from rollslip.models.profile import profile_drop, slice_positions
 from rollslip.scene.schema import schema
 from rollslip.testing.samples import NumpyForm, table
 from rollslip_kernels.slices import COLUMNS, CONDITIONS

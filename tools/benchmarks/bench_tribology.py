@@ -20,8 +20,8 @@ from report import Table, cell
 from rollslip import Chain, Slices, evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
-from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.bearing.regimes import PowerLaw
+from rollslip.models.profile import profile_drop, slice_positions
 from rollslip_plugins.film.formulas import DowsonHigginson
 from timing import interleaved, medians
 

@@ -31,9 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.profile import slice_positions
 from rollslip.bearing.ribs import RibPair
 from rollslip.errors import ConvergenceError
+from rollslip.models.profile import slice_positions
 from rollslip.rings import Rings
 from rollslip_kernels import equilibrium as kernels
 from rollslip_kernels.slices import Conditions, Slices

@@ -17,9 +17,9 @@ from typing import Final, TypeAlias
 import attrs
 import numpy as np
 
-from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import RollslipError
 from rollslip.fields import at_least, choice_of, in_range, parameter
+from rollslip.models.profile import profile_drop, slice_positions
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip_kernels.gauss import legendre
