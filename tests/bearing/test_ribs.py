@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import attrs
 import numpy as np
 import pytest
-from rollslip.profile import profile_drop, slice_positions
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -13,6 +12,7 @@ from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.bearing.ribs import RibPair
 from rollslip.errors import SceneError
+from rollslip.models.profile import profile_drop, slice_positions
 from rollslip_kernels.slices import Conditions
 from rollslip_plugins.contact import Palmgren
 

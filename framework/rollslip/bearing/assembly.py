@@ -34,7 +34,7 @@ from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_pos
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated, slicing
-from rollslip.bearing.ribs import RibPair
+from rollslip.bearing.ribs import RibPair, tapered_rib
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
@@ -355,9 +355,12 @@ class Assembly:
     def ribs(self) -> RibPair | None:
         """The ribs that carry the axial load; None without such a load."""
         geometry = self.scene.bearing.ribs
+        k = self.kinematics
+        if self.rib is not None and self.scene.bearing.contact_angle is not None:
+            moduli = self.inner.conditions.modulus, self.outer.conditions.modulus
+            return tapered_rib(self.scene.bearing, k, moduli)
         if self.rib is None or geometry is None:
             return None
-        k = self.kinematics
         spin_radius = k.roller_radius - geometry.height
         end_radius = geometry.end_radius
         if end_radius is None:
@@ -376,7 +379,7 @@ class Assembly:
         pair = self.ribs
         assert pair is not None
         inner, outer = (
-            attrs.evolve(raceway.conditions, radius=pair.end_radius, length=pair.height)
+            attrs.evolve(raceway.conditions, radius=pair.end_radius, length=pair.contact_height)
             for raceway in self.raceways
         )
         return inner, outer
@@ -398,8 +401,9 @@ class Assembly:
             rings=self.rings,
             body_force=self.body_force,
             contact_angle=b.contact_angle or 0.0,
+            half_angle=b.angles.half,
             axial_load=o.axial_load or 0.0,
-            ribs=self.ribs,
+            ribs=self.ribs if b.contact_angle is None else None,
         )
 
     @cached_property

@@ -7,14 +7,20 @@ distance rho of the contacts from the roller's axis. `rollslip.bearing.equilibri
 """
 
 import math
+from typing import Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.kinematics import Kinematics
+from rollslip.datasets import RIB_HEIGHT, Bearing
 from rollslip.search import Array
 
-__all__ = ["RibPair"]
+__all__ = ["RibPair", "tapered_rib"]
+
+#: Radius of the ends of tapered rollers over the distance from their large end to the apex (D): less than 1, so that
+#: ends touch the rib inside of its edges. Friction of the film goes with the logarithm of it.
+_END_RADIUS: Final = 0.9
 
 
 @attrs.frozen
@@ -31,6 +37,14 @@ class RibPair:
     ring_radii: tuple[float, float]
     #: Equivalent moduli E' of a roller and either ring [Pa].
     moduli: tuple[float, float]
+    #: Speeds at the contacts over those at the radii above, and friction at these over that of the contacts [1].
+    scale: float = 1.0
+    #: Whether the inner and the outer ring have such a rib.
+    sides: tuple[bool, bool] = (True, True)
+    #: Height of the contacts above the raceway, as far as which oil beside them is sheared [m].
+    contact_height: float = attrs.field(
+        default=attrs.Factory(lambda pair: pair.height, takes_self=True)
+    )
 
     @property
     def compliance(self) -> float:
@@ -76,3 +90,49 @@ class RibPair:
             inner + self.height * (k.direction * k.inner_speed - cage + spin),
             outer + self.height * (cage - k.direction * k.outer_speed - spin),
         )
+
+
+def tapered_rib(bearing: Bearing, kinematics: Kinematics, moduli: tuple[float, float]) -> RibPair:
+    """Return the rib of the inner ring at the large end of tapered rollers.
+
+    The contact is at the height h above the raceway there, at the distances rho = r + l/2 sin(half) - h from the axis
+    of the roller and R = R_i + l/2 sin(inner) + h cos(middle) from that of the bearing. A friction c F at the distances
+    rho/c and R/c has the torques and the power of F at rho and R; c = (R + rho)/(R_i + r) makes these the distances of
+    a rib of the height r - rho/c above the middle of the raceway, as cylindrical rollers have it.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        The tapered bearing. Without `ribs` the height is that of cylindrical rollers and the radius of the ends 0.9 of
+        the distance to the apex.
+    kinematics : Kinematics
+        Of the bearing.
+    moduli : tuple of float
+        Equivalent moduli E' of a roller and inner and outer ring [Pa].
+    """
+    angles = bearing.angles
+    ribs = bearing.ribs
+    half_length = 0.5 * bearing.roller_length
+    height = RIB_HEIGHT * bearing.roller_diameter if ribs is None else ribs.height
+    large = kinematics.roller_radius + half_length * math.sin(angles.half)
+    end_radius = None if ribs is None else ribs.end_radius
+    if end_radius is None:
+        end_radius = _END_RADIUS * large / math.sin(angles.half)
+    spin_radius = large - height
+    ring_radius = (
+        kinematics.inner_radius
+        + half_length * math.sin(angles.inner)
+        + height * math.cos(angles.middle)
+    )
+    scale = (ring_radius + spin_radius) / (kinematics.inner_radius + kinematics.roller_radius)
+    shift = kinematics.roller_radius - spin_radius / scale
+    return RibPair(
+        shift,
+        end_radius,
+        spin_radius / scale,
+        (ring_radius / scale, kinematics.outer_radius - shift),
+        moduli,
+        scale,
+        (True, False),
+        height,
+    )

@@ -121,6 +121,7 @@ def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
     losses += [
         Loss(f"sliding, {RINGS[i]} rib", f"{RINGS[i]} contact", all_rollers(force * rib_sliding[i]))
         for i, force in enumerate(rib_friction)
+        if ribs is not None and ribs.sides[i]
     ]
     if balance.drags.resistance is not None:
         rolled = [all_rollers(2.0 * resistance[i] * rolling[i]) for i in range(len(RINGS))]

@@ -145,8 +145,8 @@ class RibFriction:
         contact = RibContact(
             conditions=self._conditions[ring],
             load=np.broadcast_to(loads, shape).ravel(),
-            rolling_speed=np.broadcast_to(rolling, shape).ravel(),
-            sliding_speed=np.broadcast_to(sliding, shape).ravel(),
+            rolling_speed=self.pair.scale * np.broadcast_to(rolling, shape).ravel(),
+            sliding_speed=self.pair.scale * np.broadcast_to(sliding, shape).ravel(),
         )
         force = np.asarray(self._law.friction(contact), dtype=float)
         if force.shape != contact.load.shape or not np.isfinite(force).all():
@@ -154,7 +154,7 @@ class RibFriction:
                 f"models.rib: {self._law.name!r} gives no finite force of each of {contact.load.size} contacts with a "
                 "rib; state lubricant values that it needs, or choose another law, such as constant"
             )
-        values = force.reshape(shape) / loads
+        values = self.pair.sides[ring] * self.pair.scale * force.reshape(shape) / loads
         slopes = (
             8.0 * (values[..., 3:-1] - values[..., 1:-3]) - values[..., 4:] + values[..., :-4]
         ) / 12.0

@@ -55,7 +55,7 @@ AXIAL_RULES: Final[Mapping[str, Callable[[Scene], float]]] = MappingProxyType(
 def axial_variables(
     balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the variables of a bearing under axial load and their coordinates; empty without such a load.
+    """Return the variables of ribs that carry an axial load and their coordinates; empty where none carry one.
 
     Parameters
     ----------
@@ -67,7 +67,8 @@ def axial_variables(
         Whether the states are those at steady slips; without these forces are NaN.
     """
     assembly = balance.assembly
-    if (ribs := assembly.ribs) is None:
+    ribs = assembly.ribs
+    if ribs is None or assembly.scene.bearing.contact_angle is not None:
         return {}, {}
     slips = [state.cage_slip for state in (states if steady else states[:1])]
     largest = np.array([float(balance.motions.loads(np.array([slip]))[2].max()) for slip in slips])
