@@ -122,6 +122,33 @@ def test_energy_is_conserved(axial, rib, inertia):
         assert abs(power.stored) < 1e-8 * power.total
 
 
+def test_energy_is_conserved_with_friction_in_the_pockets():
+    """By |R_m P|, to which the ribs contribute, as a loss of its own."""
+    drag = ["rolling-resistance", "churning", {"model": "pocket-friction", "coefficient": 0.1}]
+    found = balance(rib=coefficient(0.05), **{"cage.drag": drag})
+    power = power_balance(found, found.orbit(running(found).slip))
+    (pocket,) = [loss.power for loss in power.losses if loss.place == "pocket"]
+    assert pocket > 0.0
+    assert sum(power.rings) == pytest.approx(power.total + power.stored, rel=1e-10)
+    assert abs(power.stored) < 1e-8 * power.total
+
+
+def test_marches_start_where_no_roller_is_turned_further_out():
+    """Ribs speed rollers up beyond rolling, and raceways brake them: motions are between both starts."""
+    found = balance(600.0, coefficient(0.1))
+    motions = found.motions
+    slips = np.array([0.001, 0.02])
+    spins = motions.spins(slips)
+    starts = motions._march_starts(spins, slips)
+    lower, upper = (
+        motions._torques(spins, np.repeat(starts[:, side], motions.positions))[0]
+        for side in range(2)
+    )
+    # a torque on the spin is positive where it decreases the roller slip
+    assert lower.max() <= 0.0 <= upper.min()
+    assert (starts[:, 0] < motions._rolling_slips(slips)[:, 0]).all()
+
+
 def test_without_axial_load_there_are_no_ribs():
     found = balance(0.0)
     assert found.motions.ribs is None
