@@ -30,6 +30,8 @@ _ROLLING: Final[Mapping[str, float]] = MappingProxyType(
         "23": 1.48e-6,
     }
 )  # fmt: skip
+#: S_1 of SKF's friction torque [mm^0.1], of cylindrical roller bearings with a cage under axial load (B).
+_S1: Final = 0.16
 #: S2 of table 3c: sliding friction is proportional to it.
 _S2 = 0.0015
 #: K_Z of table 5, of cylindrical roller bearings with a cage: starvation and drag of the oil depend on it.
@@ -111,7 +113,7 @@ def _of_series(table: Mapping[str, Any], series: str, source: str) -> Any:
 class Skf(TorqueFormula):
     """SKF's model of the friction torque of a bearing with a cage under radial load, without seals.
 
-    M = phi_ish phi_rs R_1 d_m^2.41 F_r^0.31 (nu n)^0.6 + S_2 d_m F_r mu_sl + M_drag,
+    M = phi_ish phi_rs R_1 d_m^2.41 F_r^0.31 (nu n)^0.6 + (S_1 d_m^0.9 F_a + S_2 d_m F_r) mu_sl + M_drag,
     phi_ish = 1/[1 + 1.84e-9 (n d_m)^1.28 nu^0.64], phi_rs = exp(-K_rs nu n (d + D) sqrt(K_Z/(2 (D - d)))),
     mu_sl = phi_bl 0.15 + (1 - phi_bl) 0.02, phi_bl = exp(-2.6e-8 (n nu)^1.4 d_m),
     M_drag = 4 V_M K_roll C_w B d_m^4 n^2 + 1.093e-7 n^2 d_m^3 (n d_m^2 f_t/nu)^-1.379 R_s  (``drag = "later"``)
@@ -119,13 +121,13 @@ class Skf(TorqueFormula):
     K_roll = K_L K_Z (d + D)/(D - d) 1e-12, C_w = 2.789e-10 a^3 - 2.786e-4 a^2 + 0.0195 a + 0.6439, a = 5 K_L B/d_m,
     f_t = sin(t/2) (1 for t > pi), R_s = 0.36 d_m^2 (t - sin t) 0.05 K_Z (d + D)/(D - d), cos(t/2) = 1 - H/(0.6 d_m).
 
-    The catalogue has it in N mm with lengths in mm, nu in mm2/s and n in 1/min; here it comes out in N m. A term of
-    S_1 d_m^0.9 F_a, by which sliding rises with axial load, is left out.
+    The catalogue has it in N mm with lengths in mm, nu in mm2/s and n in 1/min; here it comes out in N m.
 
     Symbols:
 
     - M, M_drag: friction torque, and what the oil of a bath resists [N m]
     - R_1, S_2: constants of rolling by the series, and of sliding, table 3c [1]
+    - S_1, F_a: constant of sliding by axial load, 0.16 (B) [1], and axial load [N]
     - d, D, B: bore, outside diameter, width; d_m = (d + D)/2 [m]
     - F_r: radial load [N]
     - nu: kinematic viscosity at the oil's temperature [m2/s]
@@ -163,7 +165,7 @@ class Skf(TorqueFormula):
 
     name: ClassVar[str] = "skf"
     equation: ClassVar[str] = (
-        "M = phi_ish phi_rs R_1 d_m^2.41 F_r^0.31 (nu n)^0.6 + S_2 d_m F_r mu_sl + M_drag"
+        "M = phi_ish phi_rs R_1 d_m^2.41 F_r^0.31 (nu n)^0.6 + (S_1 d_m^0.9 F_a + S_2 d_m F_r) mu_sl + M_drag"
     )
     references: ClassVar[tuple[Reference, ...]] = (_SKF_CATALOGUE, _SKF_LATER)
     basis: ClassVar[str] = "a maker's regression of its tests"
@@ -195,7 +197,8 @@ class Skf(TorqueFormula):
         rolling = phi_ish * phi_rs * constant * d_m**2.41 * load**0.31 * (nu * n) ** 0.6
         phi_bl = math.exp(-2.6e-8 * (n * nu) ** 1.4 * d_m)
         mu_sl = phi_bl * _MIXED_FRICTION + (1.0 - phi_bl) * _FULL_FILM_FRICTION
-        terms = {"rolling": rolling, "sliding": _S2 * d_m * load * mu_sl}
+        ribs = _S1 * d_m**0.9 * duty.axial_load
+        terms = {"rolling": rolling, "sliding": (ribs + _S2 * d_m * load) * mu_sl}
         if self.drag != "none":
             terms["oil drag"] = self._drag(duty, nu, n)
         return {term: _PER_NMM * torque for term, torque in terms.items()}

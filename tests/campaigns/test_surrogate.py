@@ -174,6 +174,11 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
             {},
             "one mean roller has no force in its pocket",
         ),
+        (
+            evolve(SCENE, {"bearing.ribs.height": "1 mm", "operation.axial_load": "100 N"}),
+            {},
+            "operation.axial_load: tables hold the friction of raceways",
+        ),
         (SCENE, {"error": "40 %"}, "error: a fraction from 0.0001 to 0.2 is expected"),
         (
             SCENE,

@@ -383,7 +383,7 @@ def test_named_data_are_offered_as_they_are():
         (42, "42 cannot be registered: a class derived from, or a value of, one of Account, BearingData, Campaign, "
              "ContactModel, DamageModel, "
              "Drag, Engine, FilmModel, SceneFormat, IntegratorModel, LifeModel, LossModel, Lubricant, "
-             "Measurement, PressureModel, PressureViscosity, RingModel, SceneData, Study, "
+             "Measurement, PressureModel, PressureViscosity, RibModel, RingModel, SceneData, Study, "
              "ThermalModel, TorqueFormula, TractionModel can; "
              "a function can with @model(kind, name, reads=...)"),
         (Constant(), "Constant(coefficient=0.05, transition=0.001) cannot be registered: a class derived from, or a"),

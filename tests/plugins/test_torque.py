@@ -449,3 +449,15 @@ def test_dimensions_that_are_estimated_are_told():
         "for these formulas bore, outside diameter, width, series of the bearing are estimated"
         in said
     )
+
+
+def test_the_torque_of_skf_rises_with_axial_load():
+    """NJ 2312, 300 N: 0.16 95^0.9 300 N mm times 0.02 of a full film, 0.058 N m."""
+    duty = Duty(
+        bore=0.06, outside_diameter=0.13, pitch_diameter=0.096, width=0.046, series="23", radial_load=1.5e3,
+        speed=157.08, viscosity=0.031, density=870.0,
+    )  # fmt: skip
+    added = Skf().terms(attrs.evolve(duty, axial_load=300.0))
+    without = Skf().terms(duty)
+    assert added["sliding"] - without["sliding"] == pytest.approx(0.058, abs=5e-4)
+    assert added["rolling"] == without["rolling"]

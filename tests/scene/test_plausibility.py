@@ -433,7 +433,12 @@ def test_what_a_scene_says_by_itself_is_not_said_again_of_its_values() -> None:
 def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:
     listed = evolve(
         SCENE,
-        {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"},
+        {
+            "bearing.catalogue.minimum_load_factor": 0.1,
+            "lubrication.oil_level": "5 mm",
+            "bearing.ribs.height": "1 mm",
+            "operation.axial_load": "100 N",
+        },
         si=True,
     )
     for relation in RELATIONS:

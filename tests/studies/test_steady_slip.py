@@ -562,7 +562,7 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     assert np.isnan(found.steady_slip).all(), "an output that is declared is there"
     lost = {name for name in SteadySlip.outputs if name not in found}
     requested = ("radial_load", "inner_speed", "temperature", "minimum_load", "makers", "formula")
-    requested += ("external_torque",)
+    requested += ("external_torque", "rib_", "axial_limit")
     assert all(name.startswith((*requested, *PLAY_OUTPUTS)) for name in lost), "not asked for"
     assert SteadySlipAccount.record(found)["steady"] == []
     assert SteadySlipAccount.topics(found)["steady slip"] == [str(found.status.item())]

@@ -157,6 +157,13 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
                 "and add these losses to the torque of the tables",
             ]
         )
+    if base.operation.axial_load:
+        raise SceneError(
+            [
+                "operation.axial_load: tables hold the friction of raceways, and one mean roller has no ribs that turn "
+                "it; leave it out, or compute steady slips with sweep",
+            ]
+        )
     ranges = _ranges(base, requested.over)
     error = read_fraction(requested.error)
     raise_problem_if(

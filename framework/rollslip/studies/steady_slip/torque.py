@@ -89,6 +89,7 @@ class Duty:
     #: Level of a bath above the lowest point of the outer raceway [m]; None for the centre of the lowest roller.
     oil_level: float | None = None
     temperature: float | None = None  #: Temperature of the oil [K], None if it is not known.
+    axial_load: float = 0.0  #: F_a on ribs [N].
 
     @classmethod
     def of(cls, assembly: Assembly, **conditions: float) -> "Duty":
@@ -119,6 +120,7 @@ class Duty:
             roller_diameter=bearing.roller_diameter,
             supply=assembly.scene.lubrication.supply,
             oil_level=assembly.scene.lubrication.oil_level,
+            axial_load=operation.axial_load or 0.0,
             pitch_diameter=bearing.pitch_diameter,
             radial_load=conditions.get("radial_load", operation.radial_load),
             speed=conditions.get("speed", abs(operation.inner_speed - operation.outer_speed)),
