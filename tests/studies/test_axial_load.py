@@ -66,7 +66,10 @@ def test_limits_of_makers_are_those_of_the_rules():
 def test_results_have_forces_and_pressures_of_ribs(usual):
     scene = loaded(300.0)
     ribs = assemble(scene).ribs
-    force = float(usual["rib_force"][0])
+    assert usual["rib_force"].dims == ("steady", "angle")
+    # the mean over the orbit is that of all rollers
+    assert 13 * float(usual["rib_force"][0].mean()) == pytest.approx(300.0, rel=1e-9)
+    force = float(usual["rib_force"][0].max())
     assert force == pytest.approx(assemble(scene).load_distribution(4).rib_force.max(), rel=1e-2)
     # Hertz, a sphere on a plane: a^3 = 3 Q R/(2 E'), p = 3 Q/(2 pi a^2)
     radius = (1.5 * force * ribs.end_radius / ribs.moduli[0]) ** (1 / 3)
@@ -86,6 +89,12 @@ def test_the_answer_has_a_row_of_the_axial_load(usual):
     assert "0.5 F_r 0.75, SKF strength 9.0" in row.note
     (sentence,) = account_of(usual).topics(usual)["axial load"]
     assert "a rib bears up to 119 N" in sentence
+
+
+def test_the_forces_of_ribs_are_drawn_over_the_orbit(usual):
+    figure = usual.figures["steady-slip-orbit"]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "each rib" in labels
 
 
 def test_without_axial_load_there_is_no_such_row():

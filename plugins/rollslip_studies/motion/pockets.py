@@ -317,16 +317,19 @@ class BalanceWithPlay:
     def _tilt_corrections(self, slips: Array) -> tuple[Array, Array]:
         """Slips, and what the tilt of rollers under axial load adds to torques by tables of friction there [N m]."""
         without = self.pockets.with_play(0.0).march(slips)
-        corrections = self._torques_without(slips) - without.torque
+        corrections = self._torques_without(slips, reduced=True) - without.torque
         is_known = np.isfinite(corrections) & (without.is_periodic == 1.0)
         if not is_known.any():
             return np.zeros(1), np.zeros(1)
         return slips[is_known], corrections[is_known]
 
-    def _torques_without(self, cage_slips: Array) -> Array:
-        """Torques of rollers set in the cage at several slips [N m], (n,); NaN where a law has no value."""
+    def _torques_without(self, cage_slips: Array, *, reduced: bool = False) -> Array:
+        """Torques of rollers set in the cage at several slips [N m], (n,); NaN where a law has no value.
+
+        Few loads stand for all slices where they are ``reduced``, as they do in the tables of friction.
+        """
         with suppress(DomainError, ConvergenceError):
-            return self.balance.torques(cage_slips)
+            return self.balance.torques(cage_slips, reduced=reduced)
         return np.full(cage_slips.shape, np.nan)
 
     def excess(self, cage_slips: Array) -> Array:

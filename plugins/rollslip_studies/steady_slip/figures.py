@@ -469,7 +469,10 @@ def _set_turn(axes: Axes) -> None:
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
-    """Draw normal forces and roller slip over the orbit at each steady slip; curves that coincide are drawn once."""
+    """Draw normal forces and roller slip over the orbit at each steady slip; curves that coincide are drawn once.
+
+    Forces of ribs that carry an axial load are among them.
+    """
     sheet = Sheet(TWO_COLUMNS, 1, 2)
     forces, slips = sheet.axes
     angle = np.degrees(dataset["angle"].to_numpy())
@@ -499,6 +502,9 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
                 )
     if len(drawn) == 1:
         sheet.handles[1].set_label("inner and outer ring")
+    if "rib_force" in dataset:  # at all steady slips nearly the same
+        rib_force = dataset["rib_force"].isel(steady=0).to_numpy()
+        sheet.line(shown, rib_force[centred], "each rib", forces, color=MODEL_COLOURS[2])
     for axes in (forces, slips):
         _set_turn(axes)
     forces.set_ylim(bottom=0.0)

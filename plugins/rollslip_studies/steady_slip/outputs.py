@@ -88,7 +88,7 @@ PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 #: Variables of a bearing under axial load, by name.
 AXIAL_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "rib_force": Output("steady", "N", "largest force of a rib", status="status"),
+        "rib_force": Output("steady angle", "N", "force of each of both ribs of a roller"),
         "rib_pressure": Output("steady", "Pa", "largest pressure on a rib after Hertz"),
         "rib_contact_radius": Output("steady", "m", "largest radius of a contact circle on a rib"),
         "rib_height": Output("", "m", "height of the contacts above the raceways"),

@@ -95,7 +95,7 @@ def describe_ribs(dataset: "xr.Dataset") -> list[str]:
     sentences = []
     for k in range(dataset.sizes["steady"] if load > 0.0 else 0):
         state = dataset.isel(steady=k)
-        force = float(state["rib_force"])
+        force = float(state["rib_force"].max())
         if not math.isfinite(force):
             continue
         radius = format_quantity(float(state["rib_contact_radius"]), "m", 2)

@@ -71,15 +71,15 @@ def axial_variables(
     if ribs is None or assembly.scene.bearing.contact_angle is not None:
         return {}, {}
     slips = [state.cage_slip for state in (states if steady else states[:1])]
-    largest = np.array([float(balance.motions.loads(np.array([slip]))[2].max()) for slip in slips])
+    force = np.array([balance.motions.loads(np.array([slip]))[2] for slip in slips])
     if not steady:
-        largest[:] = np.nan
-    radius = np.maximum(*(ribs.contact_radius(largest, ring) for ring in range(2)))
-    smaller = np.minimum(*(ribs.contact_radius(largest, ring) for ring in range(2)))
+        force[:] = np.nan
+    largest = force.max(axis=1)
+    radii = [ribs.contact_radius(largest, ring) for ring in range(2)]
     values = {
-        "rib_force": largest,
-        "rib_pressure": 1.5 * largest / (np.pi * smaller**2),
-        "rib_contact_radius": radius,
+        "rib_force": force,
+        "rib_pressure": 1.5 * largest / (np.pi * np.min(radii, axis=0) ** 2),
+        "rib_contact_radius": np.max(radii, axis=0),
         "rib_height": ribs.height,
         "axial_limit": np.array([rule(assembly.scene) for rule in AXIAL_RULES.values()]),
     }
