@@ -42,9 +42,9 @@ EXTREMES: Final[Mapping[object, Callable[[Array], Any]]] = {"smallest": np.min, 
 _OF_OIL: Final = "pressure-viscosity"
 #: Variable that says which steady slips are stable.
 _STABLE: Final = "stable"
-#: Number of points from which on all have the resolution of a plan of the first one. They are samples around it: for the
-#: torque of wingertszahn-2023 values stay within 2e-9 and take 0.6 of the time. Chosen: a plan takes as long as a few
-#: points.
+#: Number of points from which on all have the resolution of a plan of the first one. They are samples around it: for
+#: the torque of wingertszahn-2023 values stay within 2e-9 and take 0.6 of the time. Chosen: a plan takes as long as a
+#: few points.
 _PLANNED_FROM: Final = 16
 
 
