@@ -2,8 +2,8 @@
 
 The centre of the outer ring is fixed. The load acts along psi = 0 until a history turns it, gravity in any direction.
 F and F_R are traction and rolling resistance, V the sliding speed, G_r the clearance, P of a contact the drop of the
-profile and P of a pocket its force, w_i and w_o the speeds of the rings, V_p the smoothing speed.  e = (cos psi, sin psi),
-t = (-sin psi, cos psi)::
+profile and P of a pocket its force, w_i and w_o the speeds of the rings, V_p the smoothing speed.
+e = (cos psi, sin psi), t = (-sin psi, cos psi)::
 
     head     inner ring x_i, v_i (2 each) · cage x_c, v_c (2 each), speed w_c, angle phi_c · a of forms that turn
     roller   x from the centred cage's pocket, orbital speed w, absolute spin s, radial position rho (0 where a straight
@@ -100,8 +100,9 @@ Notes
   they are watched: after a step, since the trials of an explicit method may lie anywhere.
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
-- Rings yield in a frame that stands, and are out of round in this frame or in one that turns with the ring. The radial motion of a raceway does
-  not rub, and its slope, which counts in the torque on the rollers, is left out of the directions of friction.
+- Rings yield in a frame that stands, and are out of round in this frame or in one that turns with the ring. The radial
+  motion of a raceway does not rub, and its slope, which counts in the torque on the rollers, is left out of the
+  directions of friction.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
 - All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers

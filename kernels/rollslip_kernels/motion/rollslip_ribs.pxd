@@ -1,7 +1,7 @@
 # Friction of ribs under axial load, by a table of coefficients over load and sliding speed, a row for each cage slip.
 #
-# - Nodes have equal steps of asinh(V/V_s); each is a value and its slope over a step. Between them are cubics of Hermite,
-#   beyond the largest speed friction is constant.
+# - Nodes have equal steps of asinh(V/V_s); each is a value and its slope over a step. Between them are cubics of
+#   Hermite, beyond the largest speed friction is constant.
 # - Loads have equal steps of their logarithm; between them are cubics through four.
 from libc.math cimport asinh, fmax, fmin, log, sqrt
 
