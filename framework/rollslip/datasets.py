@@ -49,40 +49,24 @@ class Material:
     """Material of rings and rollers; the defaults are bearing steel."""
 
     elastic_modulus: float = field(
-        default=208e9,
-        unit="Pa",
-        doc="Young's modulus",
-        validator=positive,
-        usual=(50e9, 500e9),
-        possible=(1e6, 2e12),
-    )
+        default=208e9, unit="Pa", doc="Young's modulus", validator=positive,
+        usual=(50e9, 500e9), possible=(1e6, 2e12),
+    )  # fmt: skip
     poisson_ratio: float = field(
         default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5), usual=(0.15, 0.45)
     )
     density: float = field(
-        default=7800.0,
-        unit="kg/m3",
-        doc="density",
-        validator=positive,
-        usual=(2500, 9000),
-        possible=(1e-12, 25e3),
-    )
+        default=7800.0, unit="kg/m3", doc="density", validator=positive,
+        usual=(2500, 9000), possible=(1e-12, 25e3),
+    )  # fmt: skip
     specific_heat: float = field(
-        default=470.0,
-        unit="J/(kg K)",
-        doc="specific heat",
-        validator=positive,
-        usual=(300, 1200),
-        possible=(50, 1e4),
-    )
+        default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive,
+        usual=(300, 1200), possible=(50, 1e4),
+    )  # fmt: skip
     thermal_conductivity: float = field(
-        default=46.0,
-        unit="W/(m K)",
-        doc="thermal conductivity",
-        validator=positive,
-        usual=(5, 150),
-        possible=(0.01, 5e3),
-    )
+        default=46.0, unit="W/(m K)", doc="thermal conductivity", validator=positive,
+        usual=(5, 150), possible=(0.01, 5e3),
+    )  # fmt: skip
 
 
 #: Other name of the shape of a profile -> its name.
@@ -106,36 +90,21 @@ class Profile:
         bare=True,
     )
     radius: float | None = field(
-        default=None,
-        unit="m",
-        doc="radius of the circular crown",
+        default=None, unit="m", doc="radius of the circular crown", usual=(0.05, 1e3), possible=(1e-4, 1e9),
         validator=attrs.validators.optional(positive),
-        usual=(0.05, 1e3),
-        possible=(1e-4, 1e9),
-    )
+    )  # fmt: skip
     depth_factor: float = field(
-        default=1.0,
-        unit="1",
+        default=1.0, unit="1", validator=positive, usual=(0.2, 5), possible=(1e-6, 1e6),
         doc="factor of the drop everywhere, so that a depth that is not known can scatter",
-        validator=positive,
-        usual=(0.2, 5),
-        possible=(1e-6, 1e6),
-    )
+    )  # fmt: skip
     position: tuple[float, ...] = field(
-        default=(),
-        unit="m",
+        default=(), unit="m", usual=(-0.15, 0.15), possible=(-5, 5),
         doc="places along the roller from its middle, ascending, for the table",
-        usual=(-0.15, 0.15),
-        possible=(-5, 5),
-    )
+    )  # fmt: skip
     drop: tuple[float, ...] = field(
-        default=(),
-        unit="m",
-        doc="drop of the radius at these places",
+        default=(), unit="m", usual=(0, 3e-4), possible=(0, 0.1), doc="drop of the radius at these places",
         validator=attrs.validators.deep_iterable(non_negative),
-        usual=(0, 3e-4),
-        possible=(0, 0.1),
-    )
+    )  # fmt: skip
 
     def __attrs_post_init__(self) -> None:
         refuse_if(
@@ -222,10 +191,16 @@ class Catalogue:
 
 
 def _length(
-    doc: str, usual: Any, possible: Any, default: float | None = None, validator: Any = None
+    doc: str, usual: Any, possible: Any, default: Any = None, validator: Any = None, **others: Any
 ) -> Any:
     return field(
-        default=default, unit="m", doc=doc, usual=usual, possible=possible, validator=validator
+        default=default,
+        unit="m",
+        doc=doc,
+        usual=usual,
+        possible=possible,
+        validator=validator,
+        **others,
     )
 
 
@@ -480,55 +455,31 @@ class Bearing:
     rollers: int = field(
         doc="number of rollers", validator=at_least(3), usual=(6, 200), possible=(3, 10e3)
     )
-    roller_diameter: float = field(
-        unit="m", doc="roller diameter", validator=positive, usual=(1e-3, 0.15), possible=(1e-5, 5)
+    roller_diameter: float = _length(
+        "roller diameter", (1e-3, 0.15), (1e-5, 5), attrs.NOTHING, positive
     )
-    roller_length: float = field(
-        unit="m",
-        doc="effective roller length",
-        validator=positive,
-        usual=(2e-3, 0.25),
-        possible=(1e-5, 10),
+    roller_length: float = _length(
+        "effective roller length", (2e-3, 0.25), (1e-5, 10), attrs.NOTHING, positive
     )
-    inner_raceway_diameter: float = field(
-        unit="m",
-        doc="inner raceway diameter",
-        validator=positive,
-        usual=(3e-3, 3),
-        possible=(1e-4, 50),
+    inner_raceway_diameter: float = _length(
+        "inner raceway diameter", (3e-3, 3), (1e-4, 50), attrs.NOTHING, positive
     )
-    outer_raceway_diameter: float = field(
-        unit="m",
-        doc="outer raceway diameter",
-        validator=positive,
-        usual=(6e-3, 3.5),
-        possible=(1e-4, 50),
+    outer_raceway_diameter: float = _length(
+        "outer raceway diameter", (6e-3, 3.5), (1e-4, 50), attrs.NOTHING, positive
     )
     contact_angle: float | None = field(
-        default=None,
-        unit="rad",
+        default=None, unit="rad", validator=attrs.validators.optional(positive), usual=(0.14, 0.6), possible=(0, 1.2),
         doc="contact angle of a tapered roller bearing, that of its outer raceway: e = 1.5 tan(angle) in catalogues",
-        validator=attrs.validators.optional(positive),
-        usual=(0.14, 0.6),
-        possible=(0, 1.2),
-    )
-    stated_pitch_diameter: float | None = field(
-        default=None,
-        key="pitch_diameter",
-        unit="m",
-        doc="pitch diameter of tapered rollers at their middle, in place of both raceway diameters",
-        validator=attrs.validators.optional(positive),
-        usual=(5e-3, 3.2),
-        possible=(1e-4, 50),
-    )
+    )  # fmt: skip
+    stated_pitch_diameter: float | None = _length(
+        "pitch diameter of tapered rollers at their middle, in place of both raceway diameters",
+        (5e-3, 3.2), (1e-4, 50), validator=attrs.validators.optional(positive), key="pitch_diameter",
+    )  # fmt: skip
     roller_half_angle: float | None = field(
-        default=None,
-        unit="rad",
-        doc="angle between axis and surface of a tapered roller; by default that of cones with a common apex",
-        validator=attrs.validators.optional(non_negative),
-        usual=(0.008, 0.1),
+        default=None, unit="rad", validator=attrs.validators.optional(non_negative), usual=(0.008, 0.1),
         possible=(0, 0.5),
-    )
+        doc="angle between axis and surface of a tapered roller; by default that of cones with a common apex",
+    )  # fmt: skip
     radial_clearance: float = field(
         default=attrs.Factory(
             lambda bearing: bearing.nominal_clearance if bearing.contact_angle is None else 0.0,

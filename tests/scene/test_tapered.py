@@ -68,6 +68,10 @@ def test_resolved_scene_gives_the_same_bearing() -> None:
             },
             "do not agree with 108.5 mm",
         ),
+        (
+            {"bearing__ribs": {"height": "2 mm", "opening_angle": "0.5 deg"}},
+            "bearing.ribs.opening_angle: the ends of tapered rollers touch",
+        ),
         ({"models__outer_ring": "thin-ring"}, "a flexible ring is not modelled in a tapered"),
     ],
 )

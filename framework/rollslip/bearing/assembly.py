@@ -354,12 +354,13 @@ class Assembly:
     @property
     def ribs(self) -> RibPair | None:
         """The ribs that carry the axial load; None without such a load."""
-        geometry = self.scene.bearing.ribs
+        if self.rib is None:
+            return None
         k = self.kinematics
-        if self.rib is not None and self.scene.bearing.contact_angle is not None:
-            moduli = self.inner.conditions.modulus, self.outer.conditions.modulus
+        moduli = self.inner.conditions.modulus, self.outer.conditions.modulus
+        if self.scene.bearing.contact_angle is not None:
             return tapered_rib(self.scene.bearing, k, moduli)
-        if self.rib is None or geometry is None:
+        if (geometry := self.scene.bearing.ribs) is None:
             return None
         spin_radius = k.roller_radius - geometry.height
         end_radius = geometry.end_radius
@@ -370,7 +371,7 @@ class Assembly:
             end_radius,
             spin_radius,
             (k.inner_radius + geometry.height, k.outer_radius - geometry.height),
-            (self.inner.conditions.modulus, self.outer.conditions.modulus),
+            moduli,
         )
 
     @property

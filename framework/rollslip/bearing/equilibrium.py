@@ -457,7 +457,6 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
             f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
             f"required {_MAX_RESIDUAL:.0e}; {_REMEDY}"
         )
-    has_axial = int(case.axial_load > 0.0)
     moment = balance["moment"]
     if ribs is not None:
         moment -= ribs.ring_radii[0] * (balance["rib"] * np.cos(case.psi)).sum(axis=1)
@@ -471,12 +470,12 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         inner_force=inner_force,
         outer_force=outer_force,
         displacement=balance["ring"][:, :2].copy(),
-        deflection=balance["ring"][:, 2 + has_axial :].copy(),
+        deflection=balance["ring"][:, 2 + (case.axial_load > 0.0) :].copy(),
         roller_shift=balance["shift"],
         roller_tilt=balance["tip"] / half_length,
         moment=moment,
         rib_force=balance["rib"] + case.tapered_rib_force(inner_force, outer_force),
-        axial_displacement=balance["ring"][:, 2 : 2 + has_axial].sum(axis=1),
+        axial_displacement=balance["ring"][:, 2 : 2 + (case.axial_load > 0.0)].sum(axis=1),
         force_residual=force_residual,
         moment_residual=moment_residual,
         iterations=iterations,

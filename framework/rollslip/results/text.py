@@ -50,6 +50,7 @@ __all__ = [
     "format_rounded_up",
     "format_slip_band",
     "html_table",
+    "load_settings",
     "message_rank",
     "percent",
     "precise_percent",
@@ -683,6 +684,24 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
 def stated_load(operation: Mapping[str, Any]) -> float:
     """Return the radial load of a resolved operation, or the axial one where there is no radial load [N]."""
     return float(operation.get("radial_load", math.nan) or operation.get("axial_load") or 0.0)
+
+
+def load_settings(operation: Mapping[str, Any], load: float) -> str:
+    """Return options of a command that change the loads of an operation, in their ratio.
+
+    Parameters
+    ----------
+    operation : mapping
+        A resolved operation.
+    load : float
+        New `stated_load` [N].
+    """
+    before = stated_load(operation)
+    return " ".join(
+        f"--set operation.{key}='{format_rounded_up(load * (size / before), force_unit(size)[0])}'"
+        for key in ("radial_load", "axial_load")
+        if (size := operation.get(key))
+    )
 
 
 def describe_operation(operation: Mapping[str, Any]) -> dict[str, str]:

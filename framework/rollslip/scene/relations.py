@@ -523,6 +523,11 @@ def tapered_problems(scene: Scene, where: Location) -> list[str]:
         ("bearing.clearance_class", bearing.clearance_class, without_clearance),
         ("bearing.mounting", bearing.mounting, without_clearance),
         (
+            "bearing.ribs.opening_angle",
+            bearing.ribs and bearing.ribs.opening_angle,
+            "the ends of tapered rollers touch the rib with their radius; state end_radius in its place",
+        ),
+        (
             "bearing.roller_half_angle",
             bearing.angles.inner <= 0.0,
             "must be less than half the contact angle, so that the inner raceway is a cone, too",

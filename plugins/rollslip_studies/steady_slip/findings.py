@@ -17,8 +17,8 @@ from rollslip.results.text import (
     format_force,
     format_plain,
     format_power,
-    format_rounded_up,
     format_slip_band,
+    load_settings,
     percent,
     stated_load,
     two_digits,
@@ -110,12 +110,7 @@ def _next(dataset: "xr.Dataset", rows: tuple[Row, ...]) -> dict[str, tuple[str, 
     more = math.nan if row is None else (row.band or (row.value,))[-1]
     if not load < more < math.inf:
         return NEXT
-    settings = " ".join(
-        f"--set operation.{key}='{format_rounded_up(more * (size / load), force_unit(size)[0])}'"
-        for key in ("radial_load", "axial_load")
-        if (size := operation.get(key))
-    )
-    run = f"rollslip run {{scene}} {settings}"
+    run = f"rollslip run {{scene}} {load_settings(operation, more)}"
     return {
         verdict: commands if verdict == "OK" else (run, *commands)
         for verdict, commands in NEXT.items()
@@ -129,7 +124,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     scene: dict[str, Any] = json.loads(dataset.attrs.get("scene_resolved", "{}"))
     operation = scene.get("operation", {})
     load = stated_load(operation)
-    clearance = _clearance(scene)
+    clearance = _clearance(scene.get("bearing", {}))
     slip = float(state["steady_slip"]) if has_steady(dataset) else math.nan
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
@@ -172,9 +167,8 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
         yield limit
 
 
-def _clearance(scene: Mapping[str, Any]) -> float | None:
-    """Return the clearance of a resolved scene [m]; None of a tapered bearing, which has none under load."""
-    bearing = scene.get("bearing", {})
+def _clearance(bearing: Mapping[str, Any]) -> float | None:
+    """Return the clearance of a resolved bearing [m]; None of a tapered one, which has none under load."""
     return None if "contact_angle" in bearing else bearing.get("radial_clearance")
 
 
