@@ -166,8 +166,8 @@ def test_the_first_line_of_a_validation_says_how_near_measured_values_are():
 def test_the_torque_that_was_measured_is_met_as_the_page_says():
     """Ratios of docs/howto/validating.rst, without samples."""
     found = rollslip.validate(SETS / "wingertszahn-2023", samples=0)
-    axial = [1.055, 1.072, 1.145, 1.033]
-    combined = [0.920, 1.092, 1.249, 1.280, 0.881, 1.011, 1.086, 1.074]
+    axial = [1.065, 1.079, 1.153, 1.042]
+    combined = [0.929, 1.101, 1.258, 1.289, 0.889, 1.019, 1.094, 1.082]
     np.testing.assert_allclose(found.ratio, axial + combined, atol=0.005)
 
 
