@@ -39,7 +39,7 @@ Y. Sheffi, Urban Transportation Networks (1985), chapter 12: method of successiv
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -57,8 +57,10 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 from rollslip_studies.motion.effective_table import EffectiveTable
 from rollslip_studies.motion.orbit_loads import orbit_loads
-from rollslip_studies.motion.rib_friction import RibArguments, RibFriction, rib_friction
 from rollslip_studies.motion.train import Train
+
+if TYPE_CHECKING:
+    from rollslip_studies.motion.rib_friction import RibArguments, RibFriction
 
 Flags: TypeAlias = NDArray[np.bool_]
 #: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
@@ -237,10 +239,12 @@ class Motion:
         return self.normalised_slip * self.slip_scale
 
 
-def assembly_rib_friction(assembly: Assembly) -> RibFriction | None:
+def assembly_rib_friction(assembly: Assembly) -> "RibFriction | None":
     """Return the friction of the ribs of a bearing; None without axial load."""
     if (pair := assembly.ribs) is None or assembly.rib is None:
         return None
+    from rollslip_studies.motion.rib_friction import rib_friction  # only axial loads need it
+
     load = assembly.scene.operation.axial_load or 0.0
     return rib_friction(assembly.rib, pair, assembly.rib_conditions, assembly.kinematics, load)
 
@@ -258,7 +262,7 @@ class Spins:
         min_film_speed: float = 0.0,  # lower bound of the speed in the film [m/s], 0 for none
         pocket: float = 0.0,  # coefficient of friction in the pockets
         brakes: Array | None = None,  # further moments that brake the spins [N m], (positions,)
-        ribs: RibArguments | None = None,  # friction of the ribs, as the kernel takes it
+        ribs: "RibArguments | None" = None,  # friction of the ribs, as the kernel takes it
         # Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
