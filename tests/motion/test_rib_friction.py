@@ -203,3 +203,27 @@ def test_motions_in_time_refuse_an_axial_load(study):
         RollslipError, match=r"operation\.axial_load: motions in time know no ribs that carry it"
     ):
         run(evolve(NJ, {"operation.axial_load": "300 N"}), study)
+
+
+def test_compiled_code_refuses_ribs_of_another_shape():
+    found = balance()
+    motions = found.motions
+    slips = np.array([0.02])
+    motions.contacts(slips)
+    tables, first, *others = motions.ribs.arguments(slips, motions.loads(slips)[2])
+    spins = motions.spins(slips)
+    radii = (0.0385, 0.0575, 0.0095, 0.048)
+
+    def kernel(*ribs):
+        size = motions.positions
+        return type(spins.kernel)(size, lambda slip: np.zeros((2, size)), radii, 1.0, ribs=ribs)
+
+    assert kernel(tables, first, *others).rib_forces(np.zeros(motions.positions)).any()
+    for ribs in (
+        (tables[:1], first, *others),
+        (tables[:, :, :3].copy(), first, *others),
+        (tables, first + 1000, *others),
+        (tables, first[:5], *others),
+    ):
+        with pytest.raises(ValueError, match="tables \\(2, rows, m, n, 2\\)"):
+            kernel(*ribs)

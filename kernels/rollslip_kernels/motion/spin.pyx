@@ -305,7 +305,7 @@ cdef class Spin:
         for k in range(self.rollers if fits else 0):
             fits = fits and 0 <= first[k] <= tables.shape[2] - 4
         if not fits:
-            raise ValueError(f"tables (2, rows, m, n, 2), 4 of m loads and leads of {self.rollers} ribs are expected")
+            raise ValueError(f"tables (2, rows, m, n, 2), loads and leads at {self.rollers} positions are expected")
         self.kept_alive.append((tables, first, weights, leads))
         self.ribs.tables = &tables[0, 0, 0, 0, 0]
         self.rib_first = &first[0]
