@@ -293,11 +293,11 @@ class Mounting:
             )
 
 
-#: Angle by which ribs are open [rad] where none is stated (D): 0.25 to 1 deg are in patents and papers on open ribs.
-#: Half and twice the value change the slip of an NJ 2312 under 1.5 kN and 0.3 kN of axial load by 3 and 2 %.
+#: Angle by which ribs are open [rad] where none is stated (D). Half and twice the value change the slip of an NJ 2312
+#: under 1.5 kN and 0.3 kN of axial load, with films on its ribs, by 4 and 2 % of it.
 RIB_ANGLE: Final = math.radians(0.5)
 #: Height of the contacts with ribs over the diameter of the rollers (D): with it the friction torque of SKF's term for
-#: axial load, S_1 d_m^0.9 F_a mu, is met in an NJ 2312.
+#: axial load is met in an NJ 2312. Heights of 0.08 and 0.13 change that slip by 11 and 18 % of it.
 RIB_HEIGHT: Final = 0.10
 
 

@@ -80,7 +80,7 @@ NEGLIGIBLE_PLAY: Final = 0.01
 #: is, too.
 NO_CHANGE: Final = "the play changes the slip by less than 1 %"
 #: Slips at which the effect of the tilt of rollers under axial load on their torques is computed; it is linear between
-#: them. Twice as many change slips of an NJ 2312 with play by up to 2e-3; chosen, because the effect itself is some per
+#: them. Twice as many change slips of an NJ 2312 with play by up to 4e-3; chosen, because the effect itself is some per
 #: cent of a torque.
 _CORRECTED_SLIPS: Final = np.concatenate(([-0.05, 0.0], np.geomspace(1e-4, 0.6, 12)))
 #: Tolerance of the slip, relative to it. Ten times the value changes slips by up to 3.4e-4, a tenth of it by

@@ -23,21 +23,21 @@ from rollslip_kernels.slices import Conditions
 #: What compiled spins take of ribs: tables, first loads, weights, leads, linear speed, limit, height.
 RibArguments: TypeAlias = tuple[Array, NDArray[np.intp], Array, Array, float, float, float]
 
-#: Speed V_s from which on steps of the sliding speed are in proportion to it [m/s]. With twice the value torques of an
-#: NJ 2312 have an error of 5e-5 of the largest; chosen, a quarter of the speed over which built-in laws change their
-#: sign.
+#: Speed V_s from which on steps of the sliding speed are in proportion to it [m/s]. Half and twice the value change
+#: slips of an NJ 2312 by up to 3e-4 of them; chosen, a quarter of the speed over which built-in laws change their sign.
 _LINEAR_SPEED: Final = 2.5e-3
 #: Steps of the sliding speed. Torques of an NJ 2312 have an error of 1e-5 of the largest, 3e-4 with three quarters as
 #: many, at which a tanh is no longer resolved; chosen.
 _SPEED_STEPS: Final = 64
-#: Largest sliding speed over the sum of the surface speeds of both ribs. Beyond it friction is constant. Doubling it
-#: makes steps a few per cent longer; chosen, more than rollers reach on their way to a balance.
+#: Largest sliding speed over the sum of the surface speeds of both ribs. Beyond it friction is constant. Half and
+#: twice the value change slips of an NJ 2312 by up to 5e-4 of them; chosen, more than rollers reach on their way to a
+#: balance.
 _SPEED_RANGE: Final = 4.0
 #: Cage slips of the table, from -1 to 1. Torques of an NJ 2312 have an error of 1e-5 of the largest, 3e-3 at a slip of
 #: 40 % with seven slips; twice as many change nothing. Chosen.
 _CAGE_SLIPS: Final = np.linspace(-1.0, 1.0, 11)
-#: Smallest load of the table over the axial load; below it the coefficient is constant. Chosen, because such loads have
-#: no effect on a roller.
+#: Smallest load of the table over the axial load; below it the coefficient is constant. Half and twice the value change
+#: slips of an NJ 2312 by up to 5e-4 of them; chosen, because such loads have no effect on a roller.
 _SMALLEST_LOAD: Final = 1e-6
 #: Steps of the logarithm of the load. Torques of an NJ 2312 have an error of 3e-5 of the largest, 1e-4 with three
 #: quarters as many, 8e-6 with half as many more; chosen.
