@@ -1,5 +1,6 @@
 """Study steady-slip under axial load: outputs, makers' limits, rows, verdict, choices and scatter."""
 
+import json
 import math
 
 import pytest
@@ -80,6 +81,12 @@ def test_results_have_forces_and_pressures_of_ribs(usual):
         "sliding, inner rib",
         "sliding, outer rib",
     ]
+
+
+def test_a_result_names_and_cites_the_law_of_its_ribs(usual):
+    models = {model["kind"]: model["name"] for model in json.loads(usual.attrs["models"])}
+    assert models["rib"] == "open-film"
+    assert "Isothermal elastohydrodynamic lubrication of point contacts" in usual.attrs["citations"]
 
 
 def test_the_answer_has_a_row_of_the_axial_load(usual):

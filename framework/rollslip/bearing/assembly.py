@@ -375,6 +375,11 @@ class Assembly:
         )
 
     @property
+    def named_ribs(self) -> tuple[tuple[str, RibModel], ...]:
+        """The friction of ribs with the name of its kind; empty without axial load."""
+        return () if self.rib is None else (("rib", self.rib),)
+
+    @property
     def rib_conditions(self) -> tuple[Conditions, Conditions]:
         """Oil, steel and geometry of the contacts of roller ends with inner and outer rib, under axial load."""
         pair = self.ribs

@@ -595,14 +595,15 @@ class EffectiveFriction(Study):
         }
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags that act on rollers, if skidding is searched."""
+        """Return the drags and ribs that act on rollers, if skidding is searched."""
         if not self.skidding_range:
             return ()
-        return tuple(
+        drags = (
             ("drag", drag)
             for drag in assembly.cage.drags
             if drag not in assembly.cage.drags.torques
         )
+        return *drags, *assembly.named_ribs
 
     def loaded(
         self, assembly: Assembly, n_positions: int, known: LoadDistribution | None = None

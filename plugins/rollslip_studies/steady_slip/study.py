@@ -355,7 +355,7 @@ class SteadySlip(Study):
         )
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags, and the losses beside the rollers.
+        """Return the drags, the losses beside the rollers, and the friction of ribs under axial load.
 
         Raises
         ------
@@ -363,7 +363,7 @@ class SteadySlip(Study):
             If the cage is wrong, or a model is not installed.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
-        return *drags, *named_losses(assembly.scene)
+        return *drags, *named_losses(assembly.scene), *assembly.named_ribs
 
     def run(self, assembly: Assembly, context: RunContext | None = None) -> "xr.Dataset":
         """Return the slip-drag curve, the steady slips, and these over the operating conditions that are followed.
