@@ -381,7 +381,7 @@ RELATIONS: Final = (
         "operation",
         "axial_load",
         lambda scene: (
-            (scene.operation.axial_load or math.nan) / (scene.operation.radial_load or math.nan)
+            (scene.operation.axial_load or 0.0) / (scene.operation.radial_load or math.nan)
             if scene.bearing.contact_angle is None
             else math.nan
         ),
