@@ -188,9 +188,8 @@ class Jump:
     def is_skidding(self) -> bool:
         """Whether the cage skids after the jump: by its slip there, or because nothing carries the drag."""
         ratio = SKIDDING_RATIO if self.slip > SKIDDING_SLIP else 1.0
-        if math.isnan(self.slip_after):
-            return True
-        return self.slip_after >= ratio * max(self.slip, SKIDDING_SLIP)
+        skidding_slip = ratio * max(self.slip, SKIDDING_SLIP)
+        return math.isnan(self.slip_after) or self.slip_after >= skidding_slip
 
 
 @attrs.frozen
