@@ -14,6 +14,7 @@ from rollslip.bearing.resolution import as_stated
 from rollslip.results.accounts import account_of
 from rollslip.results.text import describe_case
 from rollslip.scene.reading import parse_scene
+from rollslip.scene.relations import required_axial_load
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.pockets import reason_without_play
 from rollslip_studies.motion.torque_balance import TorqueBalance
@@ -111,6 +112,17 @@ def test_loads_vary_in_their_ratio() -> None:
     assert (operation.radial_load, operation.axial_load) == (1500.0, 3000.0)
     operation = bearing(axial_load=6000.0).at_load(1500.0).scene.operation
     assert (operation.radial_load, operation.axial_load) == (0.0, 1500.0)
+
+
+def test_search_for_a_load_ends_where_the_rings_are_held() -> None:
+    """Centrifugal forces take 2 to 3 % of the axial load at 4000 rpm; below that the rings are pushed apart."""
+    assembly = bearing(radial_load=3000.0, axial_load=2000.0, inner_speed=419.0)
+    smallest = assembly.at_load(1e-3)
+    held = smallest.scene.operation
+    assert held.axial_load / held.radial_load == pytest.approx(2 / 3, rel=1e-12)
+    assert 1.0 < held.axial_load / required_axial_load(smallest.scene) < 1.03
+    assert smallest.load_distribution(2).inner_force.max() > 0.0
+    assert assembly.at_load(2900.0).scene.operation.radial_load == 2900.0
 
 
 def test_answer_has_no_rows_of_cylindrical_bearings() -> None:

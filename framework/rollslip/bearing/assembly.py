@@ -50,6 +50,7 @@ from rollslip.models import (
 )
 from rollslip.rings import Rings
 from rollslip.scene.oil import check_given, members, unused_constants
+from rollslip.scene.relations import smallest_tapered_load
 from rollslip.scene.rings import rings_of
 from rollslip.scene.values import LISTS_OF_MODELS, LubricantTable, ModelChoice, Scene
 from rollslip.structure import Location, T, raise_problems
@@ -63,6 +64,9 @@ _DEFLECTION_BLOCK = 2048
 #: doubles the memory that plans and samples of one bearing hold. Chosen so that coarse distributions, which many plans
 #: compute again, are cached and fine ones are not.
 _MAX_CACHED_LOADS = 1 << 14
+#: Load at which searches of a tapered bearing end, over the smallest that holds its rings together. There rollers
+#: hardly touch the inner ring. Doubling its distance from 1 changes no minimum load above it. Chosen.
+_HOLDING_LOAD: Final = 1.02
 #: Names of the properties of an oil, which the conditions of a contact take over.
 _OIL_PROPERTIES: Final = tuple(attrs.fields_dict(OilState))
 _log = logging.getLogger(__name__)
@@ -267,10 +271,13 @@ class Assembly:
     def at_load(self, load: float) -> "Assembly":
         """Return the same bearing under another load [N], for a search; its scene retains text and origins.
 
-        It is the radial load, or the axial one where there is no radial load; both retain their ratio.
+        It is the radial load, or the axial one where there is no radial load; both retain their ratio. A tapered
+        bearing has at least the load that holds its rings together.
         """
         cage = self.cage
         scene = self.scene
+        if scene.bearing.contact_angle is not None:
+            load = max(load, _HOLDING_LOAD * smallest_tapered_load(scene))
         scene = attrs.evolve(scene, operation=scene.operation.with_load(load))
         if any(
             "radial_load" in taken_from_scene(model)

@@ -28,6 +28,7 @@ __all__ = [
     "impossible_relations",
     "required_axial_load",
     "skf_minimum_load",
+    "smallest_tapered_load",
     "tapered_problems",
     "unsupported_axial_load",
 ]
@@ -504,6 +505,18 @@ def required_axial_load(scene: Scene) -> float:
     centrifugal = bearing.rollers * mass * orbit * speed * speed
     radial = operation.radial_load / nearest
     return float((radial + centrifugal) * math.tan(bearing.angles.outer))
+
+
+def smallest_tapered_load(scene: Scene) -> float:
+    """Return the smallest load of a tapered bearing, with radial and axial load in their ratio, that holds it [N].
+
+    Below it the centrifugal forces of the rollers, which do not fall with the load, push the rings apart.
+    """
+    operation = scene.operation
+    unloaded = attrs.evolve(scene, operation=attrs.evolve(operation, radial_load=0.0))
+    centrifugal = required_axial_load(unloaded)
+    left = operation.axial_load - (required_axial_load(scene) - centrifugal)
+    return float(operation.load * centrifugal / left)
 
 
 def tapered_problems(scene: Scene, where: Location) -> list[str]:
