@@ -556,7 +556,17 @@ def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions
 
 
 def resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
-    """Resolution of the plan of a point, None if the plan fails; the point itself then ends with the reason."""
+    """Return the resolution of the plan of a point, None if the plan fails; the point itself then ends with the reason.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the sweep.
+    study : str
+        Name of the study.
+    changes : mapping
+        Values of the point in SI units, by key.
+    """
     try:
         changed_scene = evolve(scene, changes, si=True)
         estimated = estimate(study_class(study).from_scene(changed_scene), assemble(changed_scene))
