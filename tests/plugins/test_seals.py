@@ -11,7 +11,7 @@ from coarse import COARSE
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
-from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.errors import DomainError, PluginError, SceneError, UnknownNameError
 from rollslip.studies.steady_slip.loss import LossModel
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip_campaigns.surrogate import SurrogateSettings
@@ -165,7 +165,7 @@ def test_bad_powers_and_unknown_losses_are_refused_by_name():
     own = evolve(SCENE, {"models.loss": [{"model": "own-gear", "value": -1.0}]}, si=True)
     with pytest.raises(DomainError, match=r"models\.loss: 'own-gear' gives -\d.* W at 1500 rpm"):
         run(own, "steady-slip")
-    with pytest.raises(SceneError, match="no loss is called 'own-seal'"):
+    with pytest.raises(UnknownNameError, match="no loss is called 'own-seal'"):
         run(evolve(SCENE, {"models.loss": ["own-seal"]}), "steady-slip")
     with pytest.raises(SceneError, match="tables hold the friction of rollers and cage alone"):
         SurrogateSettings(evolve(SCENE, {"models.loss": SEALS}), {}, engine="serial").plan()

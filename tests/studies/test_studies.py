@@ -16,6 +16,7 @@ from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import Accuracy
 from rollslip.studies.error_estimate import COARSE_SLICES, choose_by_doubling
 from rollslip.studies.study import AXES, Study, settings, study_class
+from rollslip_studies.steady_slip.outputs import AXIAL_OUTPUTS
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 from without_bands import run
 
@@ -51,7 +52,8 @@ ELSEWHERE = {
                  "ring_deflection", "form_angle", *OVER_MOTION},
     "steady-slip": {
         f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
-        "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")} | {"external_torque"},
+        "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")} | {"external_torque"}
+        | {*AXIAL_OUTPUTS},  # with an axial load alone: test_axial_load.py
 }  # fmt: skip
 
 

@@ -303,6 +303,8 @@ REMARKS = {
     "Derived from the momentum of each roller: docs/theory/motion.rst. Friction is that of the boundary law of "
     "raceways where nothing but sliding is left.",
     "No law: a number that is given, made smooth where the cage stands.",
+    "No law: a number that is given, made smooth where the rib does not slide. Default 0.05 (D): between SKF's 0.02 of "
+    "full films (B) and boundary friction, 0.1 (B).",
     "Coulomb friction, regularised by a linear ramp.",
     "No law: the temperatures of the scene.",
     "The measurement that the file holds, as its own comments cite it.",
