@@ -136,7 +136,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             note = "it is for a cage that lags"
             yield attrs.evolve(UNCOMPUTED_MINIMUM_LOAD, text="not found", rank=_KNOWN, note=note)
         else:
-            yield _minimum_load_row(dataset, acceptable, operation, preload)
+            yield _minimum_load_row(dataset, acceptable, scene, preload)
         if is_heavy:
             yield limit
         if preload == 0.0 or float(dataset["minimum_load"]) > 0.0:
@@ -298,9 +298,10 @@ def reserve_row(reserve: float, status: str, *, known: int, within: float, slip:
 
 
 def _minimum_load_row(
-    dataset: "xr.Dataset", acceptable: float, operation: Mapping[str, Any], preload: float
+    dataset: "xr.Dataset", acceptable: float, scene: Mapping[str, Any], preload: float
 ) -> Row:
     """Return the row of the minimum load, with its band where the result has one."""
+    operation = scene.get("operation", {})
     load = stated_load(operation)
     minimum = float(dataset["minimum_load"])
     status = str(dataset["minimum_load_status"].item())
@@ -314,6 +315,8 @@ def _minimum_load_row(
             if not operation["radial_load"]
             else ", radial, at this ratio to the axial one"
         )
+        if is_unlimited and "contact_angle" in scene["bearing"]:
+            condition = f"if it holds the rings together, {condition}"
     if preload > 0.0 and is_unlimited:
         return Row(**row, text="none", note=f"preloaded by {two_digits(1e6 * preload)} µm")
     if math.isnan(minimum):
