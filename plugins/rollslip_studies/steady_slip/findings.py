@@ -25,7 +25,7 @@ from rollslip.results.text import (
 )
 from rollslip.results.text import precise_percent as _percent
 from rollslip.units import format_quantity
-from rollslip_studies.steady_slip.axial.findings import axial_load_of, axial_row, describe_ribs
+from rollslip_studies.steady_slip.axial import findings as axial
 from rollslip_studies.steady_slip.play_findings import (
     assumed_without_play,
     describe_play,
@@ -150,7 +150,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
             within=0.02,
             slip=slip,
         )
-    yield axial_row(dataset, state)
+    yield axial.axial_row(dataset, state)
     yield _torque_row(dataset, state)
     yield _film_row(dataset, state)
     if clearance is not None:
@@ -174,9 +174,9 @@ def _clearance(bearing: Mapping[str, Any]) -> float | None:
 
 def _facts(dataset: "xr.Dataset", kappa: float) -> dict[Fact, float]:
     """Return the facts that are not among the rows: the viscosity ratio, and the axial over the radial load."""
-    axial, ratio = axial_load_of(dataset)
+    load, ratio = axial.axial_load_of(dataset)
     facts = {} if math.isnan(kappa) else {Fact.VISCOSITY_RATIO: kappa}
-    return facts | ({Fact.AXIAL_RATIO: ratio} if axial > 0.0 else {})
+    return facts | ({Fact.AXIAL_RATIO: ratio} if load > 0.0 else {})
 
 
 def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
@@ -310,13 +310,7 @@ def _minimum_load_row(
     is_unlimited = outcome in (Status.NO_LOAD_NEEDED, Status.ANY_LOAD)
     condition = f"for a slip below {format_plain(100.0 * acceptable)} %"
     if operation.get("axial_load"):
-        condition += (
-            ", axial"
-            if not operation["radial_load"]
-            else ", radial, at this ratio to the axial one"
-        )
-        if is_unlimited and "contact_angle" in scene["bearing"]:
-            condition = f"if it holds the rings together, {condition}"
+        condition += axial.describe_load(scene, is_unlimited=is_unlimited)
     if preload > 0.0 and is_unlimited:
         return Row(**row, text="none", note=f"preloaded by {two_digits(1e6 * preload)} µm")
     if math.isnan(minimum):
@@ -725,7 +719,7 @@ class SteadySlipAccount(Account):
             "steady slip": _describe_steady_slips(dataset)
             + describe_play(dataset)
             + describe_pockets(dataset),
-            **({"axial load": ribs} if (ribs := describe_ribs(dataset)) else {}),
+            **({"axial load": ribs} if (ribs := axial.describe_ribs(dataset)) else {}),
             "limit drag torque": [_describe_limit_drag(dataset)],
             **(
                 {"losses": _describe_losses(dataset)}

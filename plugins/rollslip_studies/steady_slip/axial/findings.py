@@ -2,7 +2,8 @@
 
 import json
 import math
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -38,6 +39,25 @@ def rib_heat(state: "xr.Dataset") -> float:
 def _touches_edge(state: "xr.Dataset") -> bool:
     """Whether the contact circle of a rib is larger than the distance of its middle from the edge of the rib."""
     return float(state["rib_contact_radius"]) > float(state["rib_height"])
+
+
+def describe_load(scene: Mapping[str, Any], *, is_unlimited: bool) -> str:
+    """Return which load of a resolved scene with an axial one is its minimum load, as the end of a sentence.
+
+    Parameters
+    ----------
+    scene : mapping
+        The resolved scene.
+    is_unlimited : bool
+        Whether the minimum load is none.
+    """
+    if not scene["operation"]["radial_load"]:
+        return ", axial"
+    # with little load the centrifugal forces of tapered rollers part the rings
+    may_part = is_unlimited and "contact_angle" in scene["bearing"]
+    return (
+        ", radial, at this ratio to the axial one" + ", if they hold the rings together" * may_part
+    )
 
 
 def axial_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
