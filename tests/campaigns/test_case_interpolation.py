@@ -1,5 +1,7 @@
 """Values between computed cases: exact on powers, computed where kinds change, and an error that is checked."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,8 @@ def test_the_command_computes_some_cases_and_says_how_exact_the_others_are(tmp_p
     assert (found["status"] == "ok").all()
     assert found["verdict"].to_numpy().tolist().count("") == 0
     assert found.attrs["interpolation_error"] <= 0.2
+    assert json.loads(found.attrs["counts"])["ok"] == 40
+    assert "pending" not in found.attrs["warnings"]
     whole = rollslip.cases(SCATTERED, table, engine="serial")
     np.testing.assert_allclose(found["friction_torque"], whole["friction_torque"], rtol=0.2)
     slips = whole["slip"].to_numpy()

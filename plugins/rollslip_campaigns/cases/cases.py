@@ -175,7 +175,7 @@ def _interpolated(made: CasePlan, points: Points) -> "xr.Dataset":
 
     floors = np.array([*_FLOORS.values()])
     found = interpolate_cases(made.table.design.samples, compute, made.interpolate, floors)
-    computed = points.collect().rename(sample="case")
+    computed = points.collect(np.flatnonzero(found.is_computed).tolist()).rename(sample="case")
     values = _values(computed)
     for name, column in zip(_FLOORS, found.values.T, strict=True):
         if name in values:
@@ -184,7 +184,8 @@ def _interpolated(made: CasePlan, points: Points) -> "xr.Dataset":
         values[name] = values[name].copy(data=values[name].to_numpy()[found.nearest])
     is_open = ~found.is_computed
     computed["status"] = computed["status"].copy(data=computed["status"].to_numpy()[found.nearest])
-    computed.attrs["counts"] = json.dumps(Counter(computed["status"].to_numpy().tolist()))
+    counts = dict.fromkeys(json.loads(computed.attrs["counts"]), 0)
+    computed.attrs["counts"] = json.dumps(counts | Counter(computed["status"].to_numpy().tolist()))
     attributes = {
         "interpolated_cases": int(is_open.sum()),
         "checked_cases": found.checked,
