@@ -8,6 +8,7 @@ from typing import Any, Final, NamedTuple
 
 import attrs
 
+from rollslip.axial import CYLINDRICAL, ContactAngles, Ribs
 from rollslip.fields import (
     FieldError,
     Scatter,
@@ -20,7 +21,6 @@ from rollslip.fields import (
     refuse_if,
 )
 from rollslip.references import Citation
-from rollslip.taper import CYLINDRICAL, ContactAngles
 from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
 
@@ -49,24 +49,40 @@ class Material:
     """Material of rings and rollers; the defaults are bearing steel."""
 
     elastic_modulus: float = field(
-        default=208e9, unit="Pa", doc="Young's modulus", validator=positive,
-        usual=(50e9, 500e9), possible=(1e6, 2e12),
-    )  # fmt: skip
+        default=208e9,
+        unit="Pa",
+        doc="Young's modulus",
+        validator=positive,
+        usual=(50e9, 500e9),
+        possible=(1e6, 2e12),
+    )
     poisson_ratio: float = field(
         default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5), usual=(0.15, 0.45)
     )
     density: float = field(
-        default=7800.0, unit="kg/m3", doc="density", validator=positive,
-        usual=(2500, 9000), possible=(1e-12, 25e3),
-    )  # fmt: skip
+        default=7800.0,
+        unit="kg/m3",
+        doc="density",
+        validator=positive,
+        usual=(2500, 9000),
+        possible=(1e-12, 25e3),
+    )
     specific_heat: float = field(
-        default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive,
-        usual=(300, 1200), possible=(50, 1e4),
-    )  # fmt: skip
+        default=470.0,
+        unit="J/(kg K)",
+        doc="specific heat",
+        validator=positive,
+        usual=(300, 1200),
+        possible=(50, 1e4),
+    )
     thermal_conductivity: float = field(
-        default=46.0, unit="W/(m K)", doc="thermal conductivity", validator=positive,
-        usual=(5, 150), possible=(0.01, 5e3),
-    )  # fmt: skip
+        default=46.0,
+        unit="W/(m K)",
+        doc="thermal conductivity",
+        validator=positive,
+        usual=(5, 150),
+        possible=(0.01, 5e3),
+    )
 
 
 #: Other name of the shape of a profile -> its name.
@@ -90,21 +106,36 @@ class Profile:
         bare=True,
     )
     radius: float | None = field(
-        default=None, unit="m", doc="radius of the circular crown", usual=(0.05, 1e3), possible=(1e-4, 1e9),
+        default=None,
+        unit="m",
+        doc="radius of the circular crown",
+        usual=(0.05, 1e3),
+        possible=(1e-4, 1e9),
         validator=attrs.validators.optional(positive),
-    )  # fmt: skip
+    )
     depth_factor: float = field(
-        default=1.0, unit="1", validator=positive, usual=(0.2, 5), possible=(1e-6, 1e6),
+        default=1.0,
+        unit="1",
+        validator=positive,
+        usual=(0.2, 5),
+        possible=(1e-6, 1e6),
         doc="factor of the drop everywhere, so that a depth that is not known can scatter",
-    )  # fmt: skip
+    )
     position: tuple[float, ...] = field(
-        default=(), unit="m", usual=(-0.15, 0.15), possible=(-5, 5),
+        default=(),
+        unit="m",
+        usual=(-0.15, 0.15),
+        possible=(-5, 5),
         doc="places along the roller from its middle, ascending, for the table",
-    )  # fmt: skip
+    )
     drop: tuple[float, ...] = field(
-        default=(), unit="m", usual=(0, 3e-4), possible=(0, 0.1), doc="drop of the radius at these places",
+        default=(),
+        unit="m",
+        usual=(0, 3e-4),
+        possible=(0, 0.1),
+        doc="drop of the radius at these places",
         validator=attrs.validators.deep_iterable(non_negative),
-    )  # fmt: skip
+    )
 
     def __attrs_post_init__(self) -> None:
         refuse_if(
@@ -293,14 +324,6 @@ class Mounting:
             )
 
 
-#: Angle by which ribs are open [rad] where none is stated (D). Half and twice the value change the slip of an NJ 2312
-#: under 1.5 kN and 0.3 kN of axial load, with films on its ribs, by 4 and 2 % of it.
-RIB_ANGLE: Final = math.radians(0.5)
-#: Height of the contacts with ribs over the diameter of the rollers (D): with it the friction torque of SKF's term for
-#: axial load is met in an NJ 2312. Heights of 0.08 and 0.13 change that slip by 11 and 18 % of it.
-RIB_HEIGHT: Final = 0.10
-
-
 @attrs.frozen(kw_only=True)
 class FormPart:
     """A part of the form error of a raceway: a wave of lobes, or a table over the angle."""
@@ -373,47 +396,6 @@ class Raceway:
     )
 
 
-@attrs.frozen(kw_only=True)
-class Ribs:
-    """Ribs on opposite sides of both rings, between which rollers carry an axial load: types NJ and NUP."""
-
-    height: float = field(
-        unit="m",
-        doc="height of the contacts of the rollers' ends above the raceways",
-        validator=positive,
-        usual=(2e-4, 1e-2),
-        possible=(1e-6, 1),
-    )
-    opening_angle: float | None = field(
-        default=None,
-        unit="rad",
-        doc="angle by which a rib is open, so that rollers touch it at one point; by default 0.5 deg (D)",
-        validator=attrs.validators.optional(positive),
-        usual=(1.7e-3, 3.5e-2),
-        possible=(1e-5, 0.2),
-    )
-    end_radius: float | None = field(
-        default=None,
-        unit="m",
-        doc="radius of the rollers' ends where they touch, in place of the angle",
-        validator=attrs.validators.optional(positive),
-        usual=(0.05, 20),
-        possible=(1e-4, 1e4),
-    )
-
-    def __attrs_post_init__(self) -> None:
-        refuse_if(
-            self.opening_angle is not None and self.end_radius is not None,
-            "end_radius",
-            "opening_angle says the same; leave one of them out",
-        )
-
-    @property
-    def angle(self) -> float:
-        """Angle by which a rib is open [rad]."""
-        return RIB_ANGLE if self.opening_angle is None else self.opening_angle
-
-
 @attrs.frozen
 class MountedClearance:
     """The clearance in operation as a sum of terms."""
@@ -468,18 +450,28 @@ class Bearing:
         "outer raceway diameter", (6e-3, 3.5), (1e-4, 50), attrs.NOTHING, positive
     )
     contact_angle: float | None = field(
-        default=None, unit="rad", validator=attrs.validators.optional(positive), usual=(0.14, 0.6), possible=(0, 1.2),
+        default=None,
+        unit="rad",
+        validator=attrs.validators.optional(positive),
+        usual=(0.14, 0.6),
+        possible=(0, 1.2),
         doc="contact angle of a tapered roller bearing, that of its outer raceway: e = 1.5 tan(angle) in catalogues",
-    )  # fmt: skip
+    )
     stated_pitch_diameter: float | None = _length(
         "pitch diameter of tapered rollers at their middle, in place of both raceway diameters",
-        (5e-3, 3.2), (1e-4, 50), validator=attrs.validators.optional(positive), key="pitch_diameter",
-    )  # fmt: skip
+        (5e-3, 3.2),
+        (1e-4, 50),
+        validator=attrs.validators.optional(positive),
+        key="pitch_diameter",
+    )
     roller_half_angle: float | None = field(
-        default=None, unit="rad", validator=attrs.validators.optional(non_negative), usual=(0.008, 0.1),
+        default=None,
+        unit="rad",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0.008, 0.1),
         possible=(0, 0.5),
         doc="angle between axis and surface of a tapered roller; by default that of cones with a common apex",
-    )  # fmt: skip
+    )
     radial_clearance: float = field(
         default=attrs.Factory(
             lambda bearing: bearing.nominal_clearance if bearing.contact_angle is None else 0.0,
@@ -503,9 +495,7 @@ class Bearing:
     outer_raceway: Raceway | None = field(
         default=None, doc="material and form of the outer raceway"
     )
-    ribs: Ribs | None = field(
-        default=None, doc="ribs that carry an axial load; by default those of the name, else none"
-    )
+    ribs: Ribs | None = field(default=None, doc="ribs for axial load; by default those of the name")
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rollers and rings")
     catalogue: Catalogue | None = field(
@@ -537,9 +527,8 @@ class Bearing:
             return CYLINDRICAL
         if self.roller_half_angle is not None:
             return ContactAngles(self.contact_angle, self.roller_half_angle)
-        return ContactAngles.with_common_apex(
-            self.contact_angle, self.roller_diameter / self.pitch_diameter
-        )
+        ratio = self.roller_diameter / self.pitch_diameter
+        return ContactAngles.with_common_apex(self.contact_angle, ratio)
 
     @property
     def cosines(self) -> tuple[float, float, float]:

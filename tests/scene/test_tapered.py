@@ -5,11 +5,11 @@ import math
 import pytest
 
 import rollslip
+from rollslip.axial import ContactAngles, raceway_diameters
 from rollslip.errors import SceneError
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved
-from rollslip.taper import ContactAngles, raceway_diameters
 
 SCENE = """
 [bearing]

@@ -14,10 +14,10 @@ from typing import Any, Final, TypeAlias
 
 import attrs
 
+from rollslip.axial import raceway_diameters
 from rollslip.fields import FieldError, Span, as_given, format_span
 from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
-from rollslip.taper import raceway_diameters
 from rollslip.toml import as_table
 from rollslip.units import GRAVITY, format_quantity, likely, unit_given
 

@@ -174,7 +174,12 @@ def _interpolated(made: CasePlan, points: Points) -> "xr.Dataset":
         return np.array([known.get(name, np.full(size, np.nan)) for name in _FLOORS]).T
 
     floors = np.array([*_FLOORS.values()])
-    found = interpolate_cases(made.table.design.samples, compute, made.interpolate, floors)
+    found = interpolate_cases(
+        made.table.design.samples,
+        compute,
+        made.interpolate,
+        floors,
+    )
     computed = points.collect(np.flatnonzero(found.is_computed).tolist()).rename(sample="case")
     values = _values(computed)
     for name, column in zip(_FLOORS, found.values.T, strict=True):

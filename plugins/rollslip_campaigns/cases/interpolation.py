@@ -134,7 +134,13 @@ def interpolate_cases(
     values = table.copy()
     is_open = ~is_computed[rest]
     values[rest[is_open]] = predicted[is_open]
-    return Interpolated(values, is_computed, _nearest(places, is_computed), error, checked.size)
+    return Interpolated(
+        values,
+        is_computed,
+        _nearest(places, is_computed),
+        error,
+        checked.size,
+    )
 
 
 def _places(columns: Array) -> Array:

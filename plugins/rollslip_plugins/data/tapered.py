@@ -18,6 +18,7 @@ import re
 from functools import cached_property
 from typing import Final, NamedTuple
 
+from rollslip.axial import ContactAngles, raceway_diameters
 from rollslip.datasets import (
     Bearing,
     BearingData,
@@ -27,7 +28,6 @@ from rollslip.datasets import (
     Profile,
     Scatter,
 )
-from rollslip.taper import ContactAngles, raceway_diameters
 from rollslip_plugins.bibliography import ISO_76, ISO_355
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.designations import packed

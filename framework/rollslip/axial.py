@@ -1,7 +1,7 @@
-"""Geometry of tapered rollers: contact angles, the half angle of a roller, raceways at the middle of the rollers.
+"""What carries an axial load: ribs of cylindrical bearings, and the angles of tapered ones.
 
-Axis of the bearing z, radius R. The axis of a roller is inclined by the middle angle, that of both raceways by the half
-angle of the roller less and more::
+Tapered rollers: axis of the bearing z, radius R. The axis of a roller is inclined by the middle angle, that of both
+raceways by the half angle of the roller less and more::
 
     inner = middle - half      outer = middle + half
 
@@ -17,7 +17,16 @@ from typing import Final, Self
 
 import attrs
 
-__all__ = ["CYLINDRICAL", "ContactAngles", "raceway_diameters"]
+from rollslip.fields import field, positive, refuse_if
+
+__all__ = ["CYLINDRICAL", "RIB_ANGLE", "RIB_HEIGHT", "ContactAngles", "Ribs", "raceway_diameters"]
+
+#: Angle by which ribs are open [rad] where none is stated (D). Half and twice the value change the slip of an NJ 2312
+#: under 1.5 kN and 0.3 kN of axial load, with films on its ribs, by 4 and 2 % of it.
+RIB_ANGLE: Final = math.radians(0.5)
+#: Height of the contacts with ribs over the diameter of the rollers (D): with it the friction torque of SKF's term for
+#: axial load is met in an NJ 2312. Heights of 0.08 and 0.13 change that slip by 11 and 18 % of it.
+RIB_HEIGHT: Final = 0.10
 
 
 @attrs.frozen
@@ -82,3 +91,44 @@ def raceway_diameters(pitch: float, diameter: float, angles: ContactAngles) -> t
     """
     across = diameter * math.cos(angles.middle)
     return pitch - across, pitch + across
+
+
+@attrs.frozen(kw_only=True)
+class Ribs:
+    """Ribs on opposite sides of both rings, between which rollers carry an axial load: types NJ and NUP."""
+
+    height: float = field(
+        unit="m",
+        doc="height of the contacts of the rollers' ends above the raceways",
+        validator=positive,
+        usual=(2e-4, 1e-2),
+        possible=(1e-6, 1),
+    )
+    opening_angle: float | None = field(
+        default=None,
+        unit="rad",
+        doc="angle by which a rib is open, so that rollers touch it at one point; by default 0.5 deg (D)",
+        validator=attrs.validators.optional(positive),
+        usual=(1.7e-3, 3.5e-2),
+        possible=(1e-5, 0.2),
+    )
+    end_radius: float | None = field(
+        default=None,
+        unit="m",
+        doc="radius of the rollers' ends where they touch, in place of the angle",
+        validator=attrs.validators.optional(positive),
+        usual=(0.05, 20),
+        possible=(1e-4, 1e4),
+    )
+
+    def __attrs_post_init__(self) -> None:
+        refuse_if(
+            self.opening_angle is not None and self.end_radius is not None,
+            "end_radius",
+            "opening_angle says the same; leave one of them out",
+        )
+
+    @property
+    def angle(self) -> float:
+        """Angle by which a rib is open [rad]."""
+        return RIB_ANGLE if self.opening_angle is None else self.opening_angle
