@@ -161,6 +161,15 @@ def test_under_axial_load_the_play_adds_to_the_torque_of_tilted_rollers(change):
     assert effect[0] < 0.0
 
 
+def test_under_axial_load_the_torque_at_a_slip_does_not_depend_on_those_before_it():
+    pockets = Pockets(assembled(SCENES["b"], RIBS))
+    balance = BalanceWithPlay(SteadySlip().balance(pockets.assembly), pockets)
+    (alone,) = balance.torques(np.array([0.05]))
+    (_, among) = balance.torques(np.array([0.02, 0.05]))
+    assert balance.torques(np.array([0.05])) == alone
+    assert among == pytest.approx(alone, rel=1e-2)
+
+
 def by_runge_kutta(pockets, slips, steps_by_turn=(1000, 1000, 2500)):
     """Return mean torques of a roller along its orbit [N m], (n,), n the rollers, by the classic method of order 4.
 

@@ -81,7 +81,7 @@ NEGLIGIBLE_PLAY: Final = 0.01
 NO_CHANGE: Final = "the play changes the slip by less than 1 %"
 #: Slips at which the effect of the tilt of rollers under axial load on their torques is computed; it is linear between
 #: them. Twice as many change slips of an NJ 2312 with play by up to 4e-3; chosen, because the effect itself is some per
-#: cent of a torque.
+#: cent of a torque. At a single slip it is computed there, whatever was computed before.
 _CORRECTED_SLIPS: Final = np.concatenate(([-0.05, 0.0], np.geomspace(1e-4, 0.6, 12)))
 #: Tolerance of the slip, relative to it. Ten times the value changes slips by up to 3.4e-4, a tenth of it by
 #: less than 1e-6; chosen.
@@ -297,7 +297,7 @@ class BalanceWithPlay:
         torques = motions.torque
         is_known = np.isfinite(torques) & (motions.is_periodic == 1.0)
         if self.balance.assembly.ribs is not None:
-            if cage_slips.size == 1 and "_tilt_correction" not in self.__dict__:
+            if cage_slips.size == 1:
                 slips, corrections = self._tilt_corrections(cage_slips)
             else:
                 slips, corrections = self._tilt_correction
