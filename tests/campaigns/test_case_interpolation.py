@@ -57,7 +57,7 @@ def test_the_stated_error_is_that_of_other_cases_and_keeps_the_tolerance():
         assert found.error <= tolerance
         assert np.quantile(errors[~found.is_computed], 0.9) <= found.error
         assert (errors[found.is_computed] == 0.0).all()
-    assert found.is_computed.sum() < 600
+    assert found.is_computed.mean() < 0.25  # or interpolation would hardly be worth its while
 
 
 def test_cases_between_kinds_of_results_are_computed():

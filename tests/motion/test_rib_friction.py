@@ -9,6 +9,7 @@ from rollslip import evolve, get_model, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, RollslipError
 from rollslip.models import RibContact
+from rollslip_studies.motion import rib_friction, spins
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import running, torque_balance
 
@@ -227,3 +228,7 @@ def test_compiled_code_refuses_ribs_of_another_shape():
     ):
         with pytest.raises(ValueError, match="tables \\(2, rows, m, n, 2\\)"):
             kernel(*ribs)
+
+
+def test_films_of_ribs_and_raceways_have_the_same_lower_bound_of_the_rolling_speed():
+    assert rib_friction._MIN_FILM_SPEED == spins.MIN_FILM_SPEED

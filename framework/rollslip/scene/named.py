@@ -19,13 +19,7 @@ from rollslip.structure import Location, bare_key, fields_of, resolved
 from rollslip.toml import as_list, as_table
 from rollslip.units import UnitError, as_written, quantity
 
-__all__ = [
-    "NAMED",
-    "surface_name",
-    "unknown_names",
-    "with_named_data",
-    "with_own_cage",
-]
+__all__ = ["NAMED", "surface_name", "unknown_names", "with_named_data", "with_own_cage"]
 
 #: Table that may start from named data -> meaning of such a name.
 NAMED: Final = {"bearing": "a bearing that a plugin offers", "surface": " or ".join(SURFACES)}

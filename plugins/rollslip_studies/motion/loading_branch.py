@@ -715,9 +715,8 @@ def _find_fall(branch: list[Motion], k: int, maximum: _Maximum, level: float, st
     for j in range(first, len(branch) if step > 0 else -1, step):
         next_root = math.sqrt(max(1.0 - branch[j].torque / maximum.torque, 0.0))
         if next_root > level:
-            right = max(
-                j, j - step
-            )  # the right end of the interval stores whether the motion goes on in it
+            # the right end of an interval stores whether the motion goes on in it
+            right = max(j, j - step)
             if j == k or branch[right].is_continuous:
                 logit += (level - root) / (next_root - root) * (branch[j].logit_slip - logit)
             break
