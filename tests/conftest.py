@@ -26,6 +26,9 @@ from hypothesis import settings
 from hypothesis.internal.conjecture.providers import HypothesisProvider
 from hypothesis.internal.constants_ast import Constants
 
+# Look for garbage seldom: while tests are collected and run, a fifteenth of all time otherwise.
+gc.set_threshold(50_000, 20, 20)
+
 
 def _hear_interrupts():
     """A shell starts its jobs in the background with SIGINT ignored, and a command ignores it when all is written."""
@@ -53,10 +56,9 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish():
-    """Look for garbage seldom, and not among what was collected: a fifteenth of the time of all tests."""
+    """Look for no garbage among what was collected."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 20, 20)
 
 
 def pytest_ignore_collect(collection_path, config):
