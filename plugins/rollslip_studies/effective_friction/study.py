@@ -17,7 +17,7 @@ ring that is against the sense in which rolling speeds are positive, hence the s
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, TypeAlias
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -38,9 +38,8 @@ from rollslip.studies.timing import N_POSITIONS, POINTS, extrapolate_line, proce
 from rollslip_studies.effective_friction.raceways import (
     REGIMES,
     LoadedRaceways,
-    are_confirmed,
-    evaluate_together,
-    find_critical_together,
+    Maxima,
+    find_maxima,
     largest_relative_change,
     regime_variables,
 )
@@ -168,9 +167,6 @@ _WHOLE_CURVE: Final = frozenset({"effective_friction"})
 #: which rollers jump to another motion between them. At a smooth minimum the ratio is near 1. Twice as much misses
 #: small jumps; half as much may take an asymmetric minimum for a jump, with a bound that is too large. Chosen.
 _JUMP_RATIO: Final = 10.0
-#: Error of friction by reduced loads up to which it is used in place of all slices, relative to the tolerance. Neither
-#: half nor twice as much changed a critical slip of four scenes of the catalogue. Chosen.
-_REDUCED_ERROR_FRACTION: Final = 1e-2
 #: Outputs of the onset of skidding.
 _SKIDDING: Final = frozenset({"skidding_slip", "limit_drag", "skidding_status"})
 #: Outputs of the drag reserve.
@@ -428,7 +424,7 @@ class EffectiveFriction(Study):
             ]
         if not outputs & _CURVE_OUTPUTS:
             return balances
-        found = dict[int, _Maxima]()
+        found = dict[int, Maxima]()
         pending = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
             slip = slip_grid(study.max_cage_slip, study.points)
@@ -437,7 +433,7 @@ class EffectiveFriction(Study):
                 found[k] = slip, friction, critical
             else:
                 pending.append((k, slip, study.loaded(assembly, n_positions)))
-        found |= _find_maxima(pending, whole=bool(outputs & _WHOLE_CURVE))
+        found |= find_maxima(pending, whole=bool(outputs & _WHOLE_CURVE))
         results = []
         for k, (balance, slips) in enumerate(balances):
             variables, coords = _curve_variables(*found[k])
@@ -690,67 +686,6 @@ class EffectiveFriction(Study):
             "moment_residual": loads.moment_residual,
         }
         return xr.Dataset(variables, coords, attrs=attributes)
-
-
-#: Slips, friction if all slices are evaluated, (2, n), and critical slips of both rings.
-_Maxima: TypeAlias = tuple[Array, Array | None, tuple[Critical, Critical]]
-
-
-def _find_maxima(
-    cases: Sequence[tuple[int, Array, LoadedRaceways]], *, whole: bool
-) -> dict[int, _Maxima]:
-    """Return the maxima of curves by the number of their case; with whole curves all slices are evaluated.
-
-    Else reduced loads give them where all slices confirm these.
-    """
-    found = dict[int, _Maxima]()
-    if not whole:
-        maxima = _find_maxima_by_reduced_loads([(slip, raceways) for _, slip, raceways in cases])
-        found = {
-            k: (slip, None, both)
-            for (k, slip, _), both in zip(cases, maxima, strict=True)
-            if both is not None
-        }
-    left = [case for case in cases if case[0] not in found]
-    curves = evaluate_together([(raceways, raceways.speeds(slip)) for _, slip, raceways in left])
-    critical = find_critical_together(
-        [
-            (raceways, slip, friction)
-            for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
-        ]
-    )
-    for (k, slip, _), (friction, _), both in zip(left, curves, critical, strict=True):
-        found[k] = slip, friction, both
-    return found
-
-
-def _find_maxima_by_reduced_loads(
-    cases: Sequence[tuple[Array, LoadedRaceways]],
-) -> list[tuple[Critical, Critical] | None]:
-    """Return critical slips of both rings by reduced loads; None where all slices have another friction there."""
-    coarse = [raceways.with_reduced_loads() for _, raceways in cases]
-    curves = evaluate_together(
-        [(own, own.speeds(slip)) for own, (slip, _) in zip(coarse, cases, strict=True)]
-    )
-    critical = find_critical_together(
-        [
-            (own, slip, friction)
-            for own, (slip, _), (friction, _) in zip(coarse, cases, curves, strict=True)
-        ]
-    )
-    compared = [
-        # at the maximum and at the end of the range
-        (own, [slip[-1:] if np.isnan(c.slip) else np.array([c.slip, slip[-1]]) for c in both])
-        for own, (slip, _), both in zip(coarse, cases, critical, strict=True)
-    ]
-    errors = [
-        _REDUCED_ERROR_FRACTION * raceways.assembly.scene.accuracy.tolerance
-        for _, raceways in cases
-    ]
-    return [
-        both if agrees else None
-        for both, agrees in zip(critical, are_confirmed(compared, errors), strict=True)
-    ]
 
 
 def _film_error_at_jumps(
