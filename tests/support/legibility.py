@@ -194,7 +194,9 @@ def docstrings(nodes: list[ast.AST]) -> list[ast.Expr]:
 def count_branchy(nodes: list[ast.AST]) -> int:
     """Return how many functions, each with the functions inside it, have too many branches."""
     # no two functions share a line, unless one is inside the other
-    lines = sorted(getattr(node, "target", node).lineno for node in nodes if isinstance(node, BRANCHES))
+    lines = sorted(
+        getattr(node, "target", node).lineno for node in nodes if isinstance(node, BRANCHES)
+    )
     return sum(
         bisect_right(lines, node.end_lineno) - bisect_left(lines, node.lineno) >= BRANCHY
         for node in nodes
