@@ -541,6 +541,7 @@ def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     """Both rings turn nearly alike: no contact draws oil in within the range of slips of effective friction."""
     requested = ["run", "gearbox", "--no-plots", "--out", str(tmp_path / "o")]
     turned = ["--set", "operation.outer_speed=1450 rpm", *SET_COARSE, "--set", "accuracy.slices=5"]
+    turned += ["--set", "study.effective-friction.max_cage_slip=0.4"]
     done = CliRunner().invoke(cli, [*requested, *turned])
     assert isinstance(done.exception, DomainError)
     assert str(done.exception).startswith(

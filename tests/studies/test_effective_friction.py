@@ -47,6 +47,28 @@ def contact_friction(assembly, ring, force, sliding, rolling):
     return float(raceway.evaluate(load, rolling, sliding).friction[0])
 
 
+@pytest.mark.parametrize("speed", [2700.0, 5000.0, -2600.0])
+def test_curves_end_before_a_ring_turns_as_fast_as_the_cage(speed):
+    """The slower ring of the same sense does: oil is drawn in up to the slip 1 - w_ring/w_cage, and not beyond."""
+    speeds = {"operation.inner_speed": "3000 rpm", "operation.outer_speed": f"{speed} rpm"}
+    scene = evolve(load_scene("gearbox"), speeds)
+    k = assemble(scene).kinematics
+    turning = [
+        k.direction * ring / k.epicyclic_cage_speed for ring in (k.inner_speed, k.outer_speed)
+    ]
+    end = 1.0 - max(ring for ring in turning if ring < 1.0)
+    largest = EffectiveFriction.from_scene(scene).max_cage_slip
+    assert largest == pytest.approx(0.4 * min(end, 1.0), rel=1e-12)
+    for slip, draws in ((largest, True), (1.001 * end, False)):
+        # rollers that roll on the outer or on the inner ring: R S_c w_ce/(r w_re) is their slip
+        scale = slip * k.epicyclic_cage_speed / (k.roller_radius * k.epicyclic_roller_speed)
+        moving = [k.surface_speeds(slip, R * scale) for R in (k.outer_radius, -k.inner_radius)]
+        rolling = [min(each.inner_rolling, each.outer_rolling) for each in moving]
+        assert (min(rolling) > 0.0) == draws
+    stated = evolve(scene, {"study.effective-friction.max_cage_slip": 0.3}, si=True)
+    assert EffectiveFriction.from_scene(stated).max_cage_slip == 0.3
+
+
 @pytest.mark.quick
 @pytest.mark.parametrize("closure", ["epicyclic", "outer-rolling"])
 def test_it_is_the_mean_by_force_over_loaded_rollers_and_instants(closure):

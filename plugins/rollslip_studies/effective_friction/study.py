@@ -17,7 +17,7 @@ ring that is against the sense in which rolling speeds are positive, hence the s
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 import attrs
 import numpy as np
@@ -219,7 +219,10 @@ class EffectiveFriction(Study):
         validator=choice_of("outer-rolling", "epicyclic", "free-roller"),
     )
     max_cage_slip: float = parameter(
-        default=0.4, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
+        default=0.4,
+        unit="1",
+        doc="largest cage slip, by default less where the slower ring turns as the cage does",
+        validator=in_range(0.0, 1.0, open=True),
     )
     skidding_range: float = parameter(
         default=0.95,
@@ -241,6 +244,29 @@ class EffectiveFriction(Study):
     per_roller: bool = parameter(
         default=False, doc="store the friction of every roller at the first roller position"
     )
+
+    @classmethod
+    def from_scene(cls, scene: Scene) -> Self:
+        """Return the study with the settings of a scene.
+
+        A contact draws no oil in where the cage turns as fast as its ring. The largest cage slip is a fraction of the
+        slip there, unless the scene states it.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene.
+        """
+        study = super().from_scene(scene)
+        if "max_cage_slip" in scene.study.get(cls.name, {}) or not scene.operation.outer_speed:
+            return study
+        inner = scene.bearing.inner_raceway_diameter
+        outer = scene.bearing.outer_raceway_diameter
+        rings = (scene.operation.inner_speed, scene.operation.outer_speed)
+        cage = (inner * rings[0] + outer * rings[1]) / (inner + outer)
+        # the slower ring that turns as the cage does, if any; without a cage speed a slip is an error of its own
+        ends = [1.0 - ring / cage for ring in rings if cage and 0.0 < ring / cage < 1.0]
+        return attrs.evolve(study, max_cage_slip=study.max_cage_slip * min(ends, default=1.0))
 
     def with_bands(self, scene: "Scene", dataset: "xr.Dataset") -> "xr.Dataset":
         """Return a result with the band of its steady slip, as study steady-slip has it.
