@@ -35,6 +35,7 @@ from rollslip.cli.app import (
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.cli.time_limit import TimeLimit
     from rollslip.errors import RollslipError
     from rollslip.planning.plan import Plan
     from rollslip.studies.measured import MeasuredPoints
@@ -189,6 +190,11 @@ def note_codes(_: object, __: object, given: Sequence[str]) -> list[str]:
     callback=note_codes,
     help="Leave out notes, such as W11,W17.",
 )
+@click.option(
+    "--time-limit",
+    metavar="TIME",
+    help="Time after which a study is ended, such as '60 s'; what others found is kept.",
+)
 @click.option("--all", "whole", is_flag=True, help="All rows and assumptions of the answer.")
 @verbose_option("All findings, with notes, errors and times.")
 @json_option
@@ -200,6 +206,7 @@ def run(
     verify: bool,
     failing: Sequence[str],
     ignored: Sequence[str],
+    time_limit: str | None,
     whole: bool,
     verbose: bool,
     results: Results,
@@ -209,11 +216,13 @@ def run(
     It prints the answer: OK, SLIPS, SKIDS or UNKNOWN, and what that rests on; with -v all that was found.
     """
     from rollslip.cli import console
+    from rollslip.cli.time_limit import TimeLimit
     from rollslip.planning.execution import read_measured, studies_of_slip
     from rollslip.planning.plan import plan
     from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
 
+    limit = TimeLimit(time_limit)
     planned = plan(scene_of(scene, changes), study)
     points = None if measured is None else read_measured(measured, planned.assembly)
     if verbose and not results.as_json:
@@ -225,8 +234,8 @@ def run(
     options = ["--study", study] if study else []
     options += [] if measured is None else ["--measured", str(measured)]
     hint = results.resume_hint(["rollslip", "run", *arguments, *options])
-    with interruptible(checkpoints, hint), results.folder() as folder:
-        datasets, failures = _run_studies(planned, checkpoints, verify)
+    with interruptible(checkpoints, hint), limit.watch(), results.folder() as folder:
+        datasets, failures = _run_studies(planned, checkpoints, verify, limit)
         for name in studies_of_slip(datasets.values()):
             datasets[name] = planned.studies[name].with_bands(planned.scene, datasets[name])
         datasets = _compare(planned, datasets, points)
@@ -286,7 +295,7 @@ def _exit_unless_finished(
 
 
 def _run_studies(
-    planned: "Plan", checkpoints: Path, verify: bool
+    planned: "Plan", checkpoints: Path, verify: bool, limit: "TimeLimit"
 ) -> "tuple[dict[str, xr.Dataset], dict[str, RollslipError]]":
     """Return results and errors of the studies of a plan; raise the first error where there is no result."""
     from rollslip.errors import ConvergenceError, DomainError
@@ -304,6 +313,11 @@ def _run_studies(
         except (DomainError, ConvergenceError) as error:  # other studies may have the answer
             failures[name] = error
             continue
+        except KeyboardInterrupt:
+            if not limit.is_reached:
+                raise
+            failures[name] = limit.error()
+            break
         if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
             with progress(f"{name} at a finer resolution"):
                 datasets[name] = verified(planned, name, datasets[name])
