@@ -252,6 +252,7 @@ def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, 
     done = CliRunner().invoke(cli, [*requested, "--engine", "serial"])
     assert done.exit_code == 0, done.output
     assert done.stdout == "1032930-70C-explorer.html: page of 3 points, not checked\n"
+    assert re.match(r"3 points of [\d.e-]+ s each on \d+ processors take about ", done.stderr)
     assert (tmp_path / "1032930-70C-explorer.html").read_text() == "page"
     assert "exists; name another --out" in str(CliRunner().invoke(cli, requested).exception)
 

@@ -75,7 +75,7 @@ class ExplorerSettings(OfPoints):
         """Compute the grid in a folder and write the page."""
         from rollslip_campaigns.explorer.explorer import run_explorer
 
-        return run_explorer(made, self, folder, show)
+        return run_explorer(made, self, folder, show, message)
 
     @property
     def page(self) -> Path:

@@ -1,6 +1,7 @@
 """The command ``rollslip explore``."""
 
 import shlex
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -46,7 +47,7 @@ def _explore(
     planned = requested.plan()
     printing.log(planned.messages)
     with progress("explore") as show, TemporaryDirectory() as folder:
-        found = requested.run(planned, Path(folder), show, lambda text: None)
+        found = requested.run(planned, Path(folder), show, partial(click.echo, err=True))
     if as_json:
         print_json({"scene": about, "file": str(target), **with_units(found)})
         return

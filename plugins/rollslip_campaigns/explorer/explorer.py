@@ -1,20 +1,24 @@
 """Compute an explorer: a sweep over the nodes of its grid, and one at random points that measures its error."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+from rollslip.engine import cores
 from rollslip.errors import ConvergenceError
 from rollslip.planning.progress import ProgressReporter
 from rollslip.results.dataset import xr
+from rollslip.results.text import duration
 from rollslip.search import Array
 from rollslip_campaigns.explorer import ExplorerSettings
 from rollslip_campaigns.explorer.grid import Explorer, interpolate
 from rollslip_campaigns.explorer.page import GROUPS, LOAD, library, write_page
+from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import Points
+from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.steady_slip.study import SteadySlip
 
@@ -26,7 +30,11 @@ _SLIPS: Final = (1e-4, 0.95, 60)
 
 
 def run_explorer(
-    planned: Explorer, requested: "ExplorerSettings", folder: Path, show: "ProgressReporter"
+    planned: Explorer,
+    requested: "ExplorerSettings",
+    folder: Path,
+    show: "ProgressReporter",
+    message: Callable[[str], None],
 ) -> dict[str, Any]:
     """Compute the points, measure the error of the interpolation at random points, and write the page.
 
@@ -40,6 +48,8 @@ def run_explorer(
         Folder of the sweeps.
     show : ProgressReporter
         Takes the progress: text, fraction of the points that are done, and time left [s].
+    message : callable
+        Takes a sentence on the time of all points, before they are computed.
 
     Returns
     -------
@@ -59,6 +69,8 @@ def run_explorer(
             time_limit=requested.time_limit,
             **options,
         )
+        if folder_name == "nodes":
+            message(_describe_cost(planned, sweep))
         points = Points.in_folder(
             sweep, folder / folder_name, lambda text: None, lambda now: show(*now.summary)
         )
@@ -109,6 +121,16 @@ def run_explorer(
         if error["known"]
     ]
     return {"points": planned.size, "messages": messages, "errors": errors}
+
+
+def _describe_cost(planned: Explorer, sweep: Sweep) -> str:
+    """Return a sentence on the time of all points, from that of the middle one."""
+    middle = sweep.design.size // 2
+    seconds = compute(sweep.work, [(middle, sweep.design.changes(middle))]).rows[0].seconds
+    whole = duration(planned.size * seconds / cores())
+    return (
+        f"{planned.size} points of {seconds:.2g} s each on {cores()} processors take about {whole}"
+    )
 
 
 def _table(
