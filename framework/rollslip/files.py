@@ -31,7 +31,8 @@ NO_SCENES: Final = {
     ".nc": "a result; rollslip info, cite and report take it, and its attribute 'scene' holds the scene",
     ".csv": "a table; rollslip fit, rank and validate take measured ones",
     ".json": "parameters in JSON; commands take them, and read_foreign from Python",
-    ".rexs": "a file of REXS, and no package that reads it is installed; 'rollslip-rexs' of the documentation does",
+    ".rexs": "a file of REXS; commands take it, and read_foreign from Python, once the package 'rollslip-rexs' of the "
+    "documentation is installed",
     ".zip": "an archive; unpack it, and name the .toml file in it",
 }
 

@@ -15,6 +15,7 @@ from rollslip.errors import SceneError, UnknownNameError
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.table import sheet
 from rollslip.results.text import format_hours
+from rollslip.scene.interchange import Json, read_foreign, write_foreign
 from rollslip.studies.rating_life.largest_load import basic_life
 from rollslip.studies.rating_life.model import dynamic_rating
 from rollslip_campaigns.cases import CaseSettings
@@ -310,3 +311,27 @@ def test_a_table_of_cases_changes_no_run(tmp_path):
     assert scene.cases == {"table": "d.csv"}
     slip = [rollslip.run(each, "friction-curve").critical_slip.values for each in (plain, scene)]
     np.testing.assert_array_equal(*slip)
+
+
+def test_a_file_of_another_program_may_have_load_cases(tmp_path, monkeypatch):
+    """JSON has none; the format of a package may. Here JSON takes the place of one."""
+    file = tmp_path / "gearbox.json"
+    write_foreign(SCATTERED, file)
+    for table in (None, file):
+        with pytest.raises(
+            SceneError, match=r"json: has no table of load cases; give one as a file \.csv or"
+        ):
+            plan_cases(CaseSettings(read_foreign(file)[0], table))
+    rows = [
+        ("head", ["radial_load [kN]", "time [h]"]),
+        ("case 1", ["5", "30"]),
+        ("case 2", ["8", "10"]),
+    ]
+    monkeypatch.setattr(Json, "load_cases", lambda self, content, source: rows)
+    for scene, table in ((read_foreign(file)[0], None), (SCATTERED, file)):
+        found = plan_cases(CaseSettings(scene, table)).table
+        np.testing.assert_allclose(found.fractions, [0.75, 0.25])
+        np.testing.assert_allclose(found.design.samples, [[5e3], [8e3]])
+    rows[2][1][0] = "high"
+    with pytest.raises(SceneError, match=r"case 2: .*radial_load: 'high' is not a number alone"):
+        plan_cases(CaseSettings(SCATTERED, file))

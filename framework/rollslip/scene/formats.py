@@ -10,7 +10,7 @@
 
 import abc
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -88,6 +88,26 @@ class SceneFormat(abc.ABC):
         SceneError
             If the format cannot hold the scene.
         """
+
+    def load_cases(self, content: bytes, source: str) -> Sequence[tuple[str, list[str]]]:
+        """Return the table of load cases of a file: place and cells of each row; by default there is none.
+
+        The first row has keys of a scene with the units of the values below them, such as ``"radial_load [kN]"``, and
+        ``"share [%]"`` or ``"time [h]"``, as tables of ``rollslip cases`` have. Messages name the place.
+
+        Parameters
+        ----------
+        content : bytes
+            Content of the file.
+        source : str
+            Name of the file, for messages.
+
+        Raises
+        ------
+        SceneError
+            If the file has another format, or a load case lacks a value.
+        """
+        return ()
 
     def compute_result(
         self,

@@ -1,5 +1,6 @@
-"""Read tables whose columns are keys of a scene: CSV, xlsx or pandas, with all faults of a table in one error.
+"""Read tables whose columns are keys of a scene, with all faults of a table in one error.
 
+- A table is CSV, xlsx, a pandas.DataFrame, or the load cases of another program's file (`SceneFormat.load_cases`).
 - The first row has the key of each column, or its last part where that is unique, with the unit of the values below.
 - Further columns, such as a measured value, are named by the caller, with their units.
 - A cell is a number alone, or a name. Nothing is repaired and nothing is left out.
@@ -16,8 +17,9 @@ import attrs
 
 from rollslip.errors import RollslipError, SceneError, nearest
 from rollslip.fields import FieldError
-from rollslip.files import faults_of, readable, text_named
+from rollslip.files import content_named, faults_of, readable, text_named
 from rollslip.scene.changes import Quantity, describe_unknown_key, full_key
+from rollslip.scene.formats import format_of
 from rollslip.structure import raise_problem_if
 from rollslip.units import NUMBER, UnitError, as_written
 from rollslip.units import quantity as in_unit
@@ -143,7 +145,7 @@ def read_table(
     Parameters
     ----------
     given : path or pandas.DataFrame
-        A file .csv or .xlsx, or a frame.
+        A file .csv or .xlsx, one of another program with load cases, or a frame.
     known : mapping of str to Quantity
         Quantities of the scene by key.
     further : mapping of str to FurtherColumn
@@ -241,6 +243,13 @@ def _rows_of(given: object) -> tuple[str, list[tuple[str, list[str]]]]:
     path = Path(given)
     if path.suffix.lower() == ".xlsx":
         return readable(str(path)), _rows_of_workbook(path)
+    if path.suffix.lower() != ".csv" and (file_format := format_of(path)) is not None:
+        source, content = content_named(path)
+        rows = [*file_format.load_cases(content, source)]
+        raise_problem_if(
+            not rows, f"{source}: has no table of load cases; give one as a file .csv or .xlsx"
+        )
+        return source, rows
     source, text = text_named(path)
     lines = [
         (f"{source}:{number}", [cell.strip() for cell in next(csv.reader([line]))])

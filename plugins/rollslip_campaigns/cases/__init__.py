@@ -22,6 +22,7 @@ class CaseSettings(OfPoints):
     The first row of the table has keys of the scene with the unit of the values below them, "operation.radial_load
     [kN]" or "radial_load [kN]"; each row below it is a case. A column "share [%]" or "time [h]" has the part of the
     time that a case takes; without one all take the same. A scene may name its table: [cases] table = "duty.csv".
+    A file of a gearbox program with several load cases is scene and table at once.
 
     Returns
     -------
@@ -56,7 +57,8 @@ class CaseSettings(OfPoints):
         value_type=Path,
         argument="[CASES.csv]",
         positional=True,
-        details="A file .csv or .xlsx, or a pandas.DataFrame; by default the one that the scene names.",
+        details="A file .csv or .xlsx, one of another program with load cases, or a pandas.DataFrame; by default the "
+        "one that the scene names.",
     )
     measured: Any = setting(
         "Table of measured points, csv or xlsx, to compare with.",

@@ -9,6 +9,7 @@ import numpy as np
 
 from rollslip.fields import parameter
 from rollslip.scene.changes import Quantity
+from rollslip.scene.formats import format_of
 from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import Location, raise_problem_if, raise_problems, structure
@@ -102,7 +103,12 @@ class CasesOfScene:
 
 
 def files_of(scene: Scene) -> tuple[Path, Path | None]:
-    """Return the files of load cases and of measured points that a scene names, beside it or with their full paths."""
+    """Return the files of load cases and of measured points that a scene names, beside it or with their full paths.
+
+    A scene that was read from another program's file names this file.
+    """
+    if scene.cases is None and format_of(scene.source) is not None:
+        return Path(scene.source), None
     where = Location(scene.origins, ("cases",))
     raise_problem_if(
         scene.cases is None,

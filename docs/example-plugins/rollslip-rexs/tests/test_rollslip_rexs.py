@@ -14,6 +14,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError, SceneError
 from rollslip.scene import Scene, scene_hash
 from rollslip.scene.interchange import read_foreign, write_foreign
+from rollslip.studies.quantities import quantities
+from rollslip.studies.tables import FurtherColumn, KeyTable, read_table
 
 #: As gearbox programs write it: one load case more than is used, a shaft that nobody needs.
 FILE = """<?xml version="1.0" encoding="UTF-8" standalone="no"?>
@@ -94,7 +96,7 @@ def test_what_is_missing_and_not_used_is_told_attribute_by_attribute(tmp_path: P
         f"{bearing}, width: not used",
         f"{bearing}, support_vector: not used",
         "lubricant 6: pressure viscosity, conductivity, Eyring stress and shear modulus are those of iso-vg-68",
-        "load_spectrum: load case 1 of 2 is used, the others are not",
+        "load_spectrum: the scene is load case 1 of 2; 'rollslip cases' takes all",
         "shaft: 1 not used",
         "surface: REXS has no roughness",
     ):
@@ -283,3 +285,104 @@ def test_what_a_file_says_beside_a_designation_counts(tmp_path: Path) -> None:
 def test_a_designation_of_another_bearing_is_refused(designation: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=re.escape(said)):
         put(tmp_path, NAMED.replace("NU 2210 ECP/C3", designation))
+
+
+# Load cases ---------------------------------------------------------------------------------------------------------
+
+CASE = """
+    <load_case id="{id}">
+      <component id="7" type="shaft"><attribute id="load_duration_fraction" unit="%">{share}</attribute></component>
+      <component id="3" type="rolling_bearing_with_detailed_geometry">
+        <attribute id="speed_inner_ring" unit="1 / min">{speed}</attribute>
+        <attribute id="radial_force_in_v" unit="kN">{load}</attribute>
+        <attribute id="radial_force_in_w" unit="kN">0.0</attribute>
+      </component>
+    </load_case>"""
+
+
+def spectrum(*cases: tuple[int, float, float, float]) -> str:
+    """The file with a load spectrum: a main model, and in each load case by the ids of components what varies alone.
+
+    So https://spec.rexs.info/1.6/en/root-load-spectrum.html has it. ``load_duration_fraction`` in per cent and
+    ``load_duration`` in h are in the list of attributes of the versions 1.0 to 1.6; example files of the standard have
+    the former in components of the load cases.
+    """
+    text = "".join(CASE.format(id=id, share=share, speed=speed, load=load) for id, share, speed, load in cases)
+    before, rest = FILE.split('<load_spectrum id="1">')
+    return f'{before}<load_spectrum id="1">{text}\n  </load_spectrum>{rest.partition("</load_spectrum>")[2]}'
+
+
+THREE = spectrum((1, 20.0, 1500.0, 4.0), (2, 70.0, 900.0, 8.0), (5, 10.0, -300.0, 0.5))
+
+
+def cases(folder: Path, text: str) -> KeyTable:
+    (folder / "a.rexs").write_text(text, encoding="utf-8")
+    known = quantities(assemble(load_scene("1032930-50C")), {})
+    return read_table(folder / "a.rexs", known, {"share": FurtherColumn("1", 0.0), "time": FurtherColumn("s", 0.0)})
+
+
+def test_load_cases_are_a_table_of_numbers(tmp_path: Path) -> None:
+    found = cases(tmp_path, THREE).values
+    assert found["share"] == pytest.approx([0.2, 0.7, 0.1], rel=1e-14)
+    rpm = 2.0 * math.pi / 60.0
+    assert found["operation.inner_speed"] == pytest.approx([1500 * rpm, 900 * rpm, -300 * rpm], rel=1e-14)
+    assert found["operation.radial_load"] == pytest.approx([4000.0, 8000.0, 500.0], rel=1e-14)
+    assert found["operation.temperature"] == pytest.approx([333.15] * 3, rel=1e-14)  # the 60 degC of the main model
+    assert "operation.outer_speed" not in found
+    scene, notes = put(tmp_path, THREE)
+    assert scene.operation.radial_load == 4000.0
+    assert "load_spectrum: the scene is load case 1 of 3; 'rollslip cases' takes all" in notes
+
+
+def test_hours_and_temperatures_of_the_casing_count_too(tmp_path: Path) -> None:
+    text = THREE.replace("load_duration_fraction", "load_duration").replace('unit="%"', 'unit="h"')
+    text = text.replace('<attribute id="temperature_lubricant" unit="C">60.0</attribute>', "")
+    text = text.replace('id="7" name="Shaft" type="shaft"', 'id="7" name="Case" type="gear_casing"')
+    casing = '<attribute id="temperature_lubricant" unit="C">72</attribute>'
+    text = text.replace('type="shaft">', f'type="gear_casing">{casing}')
+    outer = '<attribute id="speed_outer_ring" unit="1 / min">60.0</attribute>'
+    text = text.replace(">8.0<", f'>8.0</attribute>{outer}<attribute id="width" unit="mm">1<')
+    found = cases(tmp_path, text).values
+    assert found["time"] == pytest.approx([20 * 3600.0, 70 * 3600.0, 10 * 3600.0], rel=1e-14)
+    assert found["operation.temperature"] == pytest.approx([345.15] * 3, rel=1e-14)
+    assert found["operation.outer_speed"] == pytest.approx([0.0, 2.0 * math.pi, 0.0], rel=1e-14)
+    _, notes = put(tmp_path, text)
+    assert any("temperature_lubricant: missing; that of gear_casing 7 is taken" in note for note in notes)
+
+
+OF_BEARING = "rolling_bearing_with_detailed_geometry 3, "
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "message"),
+    [
+        ("load_case", "case", "has no table of load cases; give one as a file .csv or .xlsx"),
+        ('load_case id="5"', 'load_case id="2"', "load case 2: its id is missing or that of another"),
+        ('load_case id="5"', "load_case", "load case without id: its id is missing or that of another"),
+        ('"kN">8.0', '"kip">8.0', f"load case 2: {OF_BEARING}radial_force_in_v: unit 'kip' is not read"),
+        ('"kN">0.5', '"kN">half', f"load case 5: {OF_BEARING}radial_force_in_v: 'half' is not a finite number"),
+        (
+            'radial_force_in_v" unit="kN">8.0',
+            'force" unit="kN">8.0',
+            f"load case 2: {OF_BEARING}radial_force_in_v: mis",
+        ),
+        ('load_duration_fraction" unit="%">70', 'time" unit="%">70', "load case 2: has no load_duration_fraction, whi"),
+        ('unit="%">70.0', 'unit="%">-70.0', "load case 2: share: '-70.0' is below zero"),
+        ('"1 / min">900', '"rad / s">900', "load case 2: inner_speed is in rad/s, and in rpm in load case 1; use one"),
+        (
+            '"1 / min">900.0<',
+            '"1 / min">900.0</attribute><attribute id="speed_inner_ring" unit="1 / min">800<',
+            f"load case 2: {OF_BEARING}speed_inner_ring: '900.0 and 800' is not a finite number",
+        ),
+        (
+            '<component id="3" type="rolling_bearing_with_detailed_geometry">',
+            '<component id="7" type="shaft">',
+            "load case 1: component 7 stands there twice",
+        ),
+    ],
+)
+def test_bad_load_cases_are_refused_in_words(before: str, after: str, message: str, tmp_path: Path) -> None:
+    assert before in THREE
+    with pytest.raises(SceneError, match=re.escape(message)) as error:
+        cases(tmp_path, THREE.replace(before, after))
+    assert all(problem.startswith(str(tmp_path / "a.rexs")) for problem in error.value.problems)

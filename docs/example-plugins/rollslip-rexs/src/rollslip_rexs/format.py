@@ -21,11 +21,12 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import get_class
 from rollslip.datasets import Bearing
 from rollslip.errors import PluginError, SceneError
+from rollslip.files import faults_of
 from rollslip.hookspecs import hookimpl
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip.scene.interchange import FORMAT, VERSION, from_parameters
 
-from rollslip_rexs.model import Component, Model, read
+from rollslip_rexs.model import Component, LoadCase, Model, read
 
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Types of bearing that rollslip computes.
@@ -36,6 +37,8 @@ DESIGNATION = "catalogue_designation"
 GRADES = (32, 46, 68, 100, 150, 220, 320)
 #: Rollers of one bearing may differ by as much, as a share: digits of the program that wrote them.
 ALIKE = 1e-9
+#: Attributes of the time that a load case takes -> columns of a table of load cases.
+TIMES = {"load_duration_fraction": "share", "load_duration": "time"}
 #: What is written, and read by nobody here: it was calculated.
 RESULTS = ("speed_rolling_element_set", "total_frictional_torque", "total_frictional_power_loss")
 
@@ -85,14 +88,15 @@ class Rexs(SceneFormat):
     def read(self, content: bytes, source: str) -> Read:
         """Read the one roller bearing of a file; see `SceneFormat.read`."""
         model = read(content, source)
+        load_cases = model.load_cases
+        if load_cases:
+            model = model.at(load_cases[0])
         it = _Reading(source)
         bearing = _bearing_of(model, source)
         rows = _once(model.beside(bearing, "rolling_bearing_row"))
         row = rows[0] if rows else None
         elements = _once(model.beside(row, "rolling_element")) if row else []
-        oil = next(model.beside(bearing, "lubricant"), None) or next(
-            (one for one in model.components.values() if one.type == "lubricant"), None
-        )
+        oil = next(model.beside(bearing, "lubricant"), None) or model.first("lubricant")
         steel = next((one for near in (bearing, *rows, *elements[:1]) for one in model.beside(near, "material")), None)
         _check_rows(bearing, rows, elements, it)
         parameters = {
@@ -100,7 +104,7 @@ class Rexs(SceneFormat):
             "bearing": _geometry(bearing, row, elements, steel, it),
             "surface": {"name": "ground"},
             "lubricant": _oil(oil, it),
-            "operation": _operation(bearing, it),
+            "operation": _operation(model, bearing, it),
         }
         if it.problems:
             raise SceneError([f"{source}: {problem}" for problem in it.problems])
@@ -110,8 +114,9 @@ class Rexs(SceneFormat):
             "cage.make, cage.mass and others where you know them",
             "models: REXS names none; rollslip's defaults are taken",
         ]
-        if model.load_cases > 1:
-            it.notes.append(f"load_spectrum: load case 1 of {model.load_cases} is used, the others are not")
+        if len(load_cases) > 1:
+            of_all = f"load case {load_cases[0].id} of {len(load_cases)}"
+            it.notes.append(f"load_spectrum: the scene is {of_all}; 'rollslip cases' takes all")
         near = [bearing, *rows, *elements[:1], *([oil] if oil else []), *([steel] if steel else [])]
         it.used |= {(bearing.id, name) for name in ("bearing_type", "number_of_bearing_rows", *RESULTS)}
         it.unused(near)
@@ -120,6 +125,28 @@ class Rexs(SceneFormat):
         others = Counter(one.type for one in model.components.values() if one.id not in known)
         it.notes += [f"{kind}: {count} not used" for kind, count in sorted(others.items())]
         return Read({"format": FORMAT, "version": VERSION, "parameters": parameters}, tuple(it.notes))
+
+    def load_cases(self, content: bytes, source: str) -> list[tuple[str, list[str]]]:
+        """Read speeds, load, temperature and time of all load cases; see `SceneFormat.load_cases`."""
+        model = read(content, source)
+        bearing = _bearing_of(model, source).id
+        table: dict[str, dict[str, Quantity]] = {}
+        problems: list[str] = []
+        for case in model.load_cases:
+            place = f"{source}: load case {case.id}"
+            it = _Reading(source)
+            of_case = model.at(case)
+            operation = _operation(of_case, of_case.components[bearing], it)
+            table[place] = {key: one for key, one in operation.items() if one is not None} | _time(of_case, case, it)
+            problems += [f"{place}: {problem}" for problem in it.problems]
+        if not problems:
+            problems = _differences(table)
+        if problems:
+            raise faults_of(source, problems)
+        units = {key: one["unit"] for row in table.values() for key, one in row.items()}
+        at_rest = {"value": 0.0}  # of a ring without a speed in this load case
+        rows = [(place, [repr(float(row.get(key, at_rest)["value"])) for key in units]) for place, row in table.items()]
+        return [(source, [f"{key} [{unit}]" for key, unit in units.items()]), *rows] if rows else []
 
     def write(self, document: Mapping[str, Any], result: xr.Dataset | None) -> Written:
         """Write the bearing with its oil and operation, and what was calculated; see `SceneFormat.write`."""
@@ -326,13 +353,53 @@ def _whole(value: float, it: _Reading) -> int | None:
     return int(value)
 
 
-def _operation(bearing: Component, it: _Reading) -> dict[str, Any]:
+def _time(model: Model, case: LoadCase, it: _Reading) -> dict[str, Quantity]:
+    """The part of the time that a load case takes, or its hours, from the component of the load case that has it."""
+    found: dict[str, Quantity] = {}
+    for attribute, key in TIMES.items():
+        components = [model.components[id] for id, own in case.attributes.items() if attribute in own]
+        numbers = [one for component in components if (one := it.number(component, attribute)) is not None]
+        if any(one != numbers[0] for one in numbers):
+            it.problems.append(f"{attribute}: {len(numbers)} components have it, with several values; leave one")
+        if numbers:
+            found[key] = numbers[0]
+    # both say the same, but for the hours of the whole
+    return {"share": found["share"]} if "share" in found else found
+
+
+def _differences(table: Mapping[str, Mapping[str, Quantity]]) -> list[str]:
+    """What load cases have in another unit than the first one that has it, or lack."""
+    problems: list[str] = []
+    first: dict[str, tuple[str, str]] = {}
+    for place, row in table.items():
+        for key, one in row.items():
+            other, unit = first.setdefault(key, (place, one["unit"]))
+            if one["unit"] != unit:
+                problems.append(f"{place}: {key} is in {one['unit']}, and in {unit} in load case "
+                                f"{other.rpartition(' ')[2]}; use one unit")  # fmt: skip
+    names = {key: name for name, key in TIMES.items()}
+    problems += [
+        f"{place}: has no {names[key]}, which others have; add it to the file"
+        for key in names.keys() & first.keys()
+        for place, row in table.items()
+        if key not in row
+    ]
+    return problems
+
+
+def _operation(model: Model, bearing: Component, it: _Reading) -> dict[str, Any]:
     told: dict[str, Any] = {"inner_speed": it.needed(bearing, "speed_inner_ring", "operation.inner_speed", "")}
     told["outer_speed"] = it.number(bearing, "speed_outer_ring")
     if told["outer_speed"] is None:
         it.notes.append(f"{bearing}, speed_outer_ring: missing; a ring at rest is taken")
         del told["outer_speed"]
-    told["temperature"] = it.needed(bearing, "temperature_lubricant", "operation.temperature", "")
+    of_casing = None
+    casing = model.first("gear_casing")
+    if "temperature_lubricant" not in bearing.attributes:
+        of_casing = it.number(casing, "temperature_lubricant")
+    if of_casing is not None:
+        it.notes.append(f"{bearing}, temperature_lubricant: missing; that of {casing} is taken")
+    told["temperature"] = of_casing or it.needed(bearing, "temperature_lubricant", "operation.temperature", "")
     parts = [it.needed(bearing, f"radial_force_in_{axis}", "operation.radial_load", "") for axis in "vw"]
     forces = [one for one in parts if one is not None]
     if len(forces) == 2 and forces[0]["unit"] == forces[1]["unit"]:

@@ -1,7 +1,11 @@
-"""A REXS file as what it holds: components with their attributes, and which belong together.
+"""A REXS file as what it holds: components with their attributes, which belong together, and load cases.
 
 REXS (Reusable Engineering EXchange Standard, https://www.rexs.info) is the exchange format of gearbox programs. The XML
 of versions 1.0 to 2.0 is read: ``model`` with ``relations``, ``components`` and ``load_spectrum``.
+
+A load spectrum is a main model, the components, with a ``load_case`` for each variation. A load case has the components
+that vary by their ids, with the attributes that vary alone; both together are a model that can be computed
+(https://spec.rexs.info/1.6/en/root-load-spectrum.html).
 """
 
 import math
@@ -11,6 +15,7 @@ from collections.abc import Iterator
 
 import attrs
 from rollslip.errors import SceneError
+from rollslip.files import faults_of
 
 VERSIONS = re.compile(r"1\.\d+|2\.0(\.\d+)?")
 #: Unit of REXS -> unit of rollslip, and what a number in the first is to be multiplied by.
@@ -27,6 +32,8 @@ UNITS = {
     "kg / dm^3": ("kg/m3", 1000.0),
     "N / mm^2": ("MPa", 1.0),
     "MPa": ("MPa", 1.0),
+    "h": ("h", 1.0),
+    "%": ("%", 1.0),
     "none": ("1", 1.0),
 }
 
@@ -63,13 +70,33 @@ class Component:
 
 
 @attrs.frozen
+class LoadCase:
+    """A load case: the attributes of components that it states, by the id of the component."""
+
+    id: str
+    attributes: dict[str, dict[str, tuple[str, str]]]
+
+
+@attrs.frozen
 class Model:
-    """What a file holds; attributes of the first load case have taken the place of those of the components."""
+    """What a file holds."""
 
     application: str
     components: dict[str, Component]
     relations: tuple[tuple[str, ...], ...]
-    load_cases: int
+    load_cases: tuple[LoadCase, ...]
+
+    def at(self, case: LoadCase) -> "Model":
+        """The model with the attributes of a load case in place of those of the components."""
+        components = {
+            id: attrs.evolve(self.components[id], attributes=self.components[id].attributes | own)
+            for id, own in case.attributes.items()
+        }
+        return attrs.evolve(self, components=self.components | components)
+
+    def first(self, wanted: str) -> Component | None:
+        """The first component of a type."""
+        return next((one for one in self.components.values() if one.type == wanted), None)
 
     def beside(self, component: Component, wanted: str) -> Iterator[Component]:
         """The components of a type that stand with one in a relation."""
@@ -111,21 +138,39 @@ def read(content: bytes, source: str) -> Model:
             problems.append(f"{source}: component {one.id or 'without id'} of type {one.type!r}: its id is missing or "
                             "that of another")  # fmt: skip
         components[one.id] = one
-    cases = root.findall("load_spectrum/load_case")
-    for element in cases[0].iterfind("component") if cases else ():
-        if (known := components.get(element.get("id", ""))) is None:
-            problems.append(f"{source}: load case 1 is of component {element.get('id')!r}, which there is not")
-            continue
-        known.attributes.update(_attributes(element))
+    cases: dict[str, LoadCase] = {}
+    for element in root.iterfind("load_spectrum/load_case"):
+        case = _load_case(element, components, source, problems)
+        if not case.id or case.id in cases:
+            problems.append(f"{source}: load case {case.id or 'without id'}: its id is missing or that of another")
+        cases[case.id] = case
     if problems:
-        raise SceneError(problems)
+        raise faults_of(source, problems)
     relations = tuple(
         tuple(ref.get("id", "") for ref in relation.iterfind("ref")) for relation in root.iterfind("relations/relation")
     )
-    return Model(root.get("applicationId", "an unnamed program"), components, relations, len(cases))
+    return Model(root.get("applicationId", "an unnamed program"), components, relations, tuple(cases.values()))
+
+
+def _load_case(
+    element: ElementTree.Element, components: dict[str, Component], source: str, problems: list[str]
+) -> LoadCase:
+    case = LoadCase(element.get("id", ""), {})
+    for child in element.iterfind("component"):
+        component = child.get("id", "")
+        if component not in components:
+            problems.append(f"{source}: load case {case.id} is of component {component!r}, which there is not")
+        if component in case.attributes:
+            problems.append(f"{source}: load case {case.id}: component {component} stands there twice")
+        case.attributes[component] = _attributes(child)
+    return case
 
 
 def _attributes(element: ElementTree.Element) -> dict[str, tuple[str, str]]:
-    return {
-        one.get("id", ""): (one.get("unit", "none"), (one.text or "").strip()) for one in element.iterfind("attribute")
-    }
+    attributes: dict[str, tuple[str, str]] = {}
+    for one in element.iterfind("attribute"):
+        name = one.get("id", "")
+        value = (one.get("unit", "none"), (one.text or "").strip())
+        if attributes.setdefault(name, value) != value:  # two values are no number for whoever needs it
+            attributes[name] = (value[0], f"{attributes[name][1]} and {value[1]}")
+    return attributes
