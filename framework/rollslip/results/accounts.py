@@ -34,6 +34,7 @@ from rollslip.results.dataset import READ_ERRORS, shown_short, xr
 from rollslip.results.text import (
     LOWER_BOUNDS,
     describe_case,
+    format_force,
     percent,
     single_value_indices,
     single_values,
@@ -51,6 +52,7 @@ __all__ = [
     "describe_defaults",
     "describe_measured",
     "findings",
+    "largest_load_row",
     "measured_rows",
     "refuse_unreadable",
     "scene_file",
@@ -271,6 +273,29 @@ def measured_rows(dataset: "xr.Dataset") -> list[Row]:
             is_alarm=True,
         )
     ]
+
+
+def largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
+    """Return the row of the largest load, by rating life or static rating; None for an older result.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+    load : float
+        Its radial load [N].
+    """
+    if "largest_load" not in dataset.attrs:
+        return None
+    largest = float(dataset.attrs["largest_load"])
+    return Row(
+        key="largest_load",
+        label="largest load",
+        value=largest,
+        unit="N",
+        text=format_force(largest, load),
+        note=f"{dataset.attrs['largest_load_limit']}{'; exceeded' * (load > largest)}",
+    )
 
 
 def describe_measured(dataset: "xr.Dataset") -> list[str]:

@@ -1,4 +1,4 @@
-"""Uncertainty bands of a steady slip and a minimum load, and the effect of exceeded validity ranges on a result.
+"""Uncertainty bands of steady slip, minimum load and friction torque, and effects of exceeded validity ranges.
 
 The band of a value lies between its quantiles of 5 and 95 % (`QUANTILES`) where the data of a scene scatter. A run
 cannot afford samples, so the band comes from the advanced mean value method of structural reliability, on a coarse
@@ -10,17 +10,19 @@ model:
 3. At each of these bearings find the steady slip by secants on the torque balance, in the logarithm of the slip, from
    the nominal slip and with the nominal slope. Where secants fail or the slope is that of an unstable slip, search the
    whole loading branch. A cage that skids has an infinite slip.
-4. Find likewise the load at which the acceptable slip is steady, in the logarithm of the load.
-5. Take the changes of the log-odds ln(s/(1 - s)) of a slip s, and of the logarithm of a load. Where the value is above
-   the nominal one at both quantiles of a quantity, or below at both, take its changes from the value at the median of
-   that quantity. The root of g'Rg, with g the changes and R the correlation of the normal scores, of increases and
-   decreases separately, is the first-order estimate of the bounds, and Rg is the direction in which the quantities
-   together change the value most.
+4. Find likewise the load at which the acceptable slip is steady, in the logarithm of the load. Evaluate the friction
+   torque at the steady slips.
+5. Take the changes of the log-odds ln(s/(1 - s)) of a slip s, and of the logarithm of a load or torque. Where the value
+   is above the nominal one at both quantiles of a quantity, or below at both, take its changes from the value at the
+   median of that quantity. The root of g'Rg, with g the changes and R the correlation of the normal scores, of
+   increases and decreases separately, is the first-order estimate of the bounds, and Rg is the direction in which the
+   quantities together change the value most.
 6. Put all quantities at their most probable values on these directions, where the probability is that of the lower and
-   of the higher quantile, and find slip and load there: they are the bounds. A bound with which the cage skids is
-   infinite. Where nothing is found there, the first-order estimate remains.
-7. Scale the odds of the slip of the run, and its load, by these factors: only ratios come from the coarse model. Its
-   rollers are set in the cage; the slip with play follows from the slip-drag curves of the run
+   of the higher quantile, and find slip, load and torque there: they are the bounds. A bound with which the cage skids
+   is infinite. Where nothing is found there, the first-order estimate remains. The torque has no band where the cage
+   skids at a quantile.
+7. Scale the odds of the slip of the run, its load and its torque by these factors: only ratios come from the coarse
+   model. Its rollers are set in the cage; the slip with play follows from the slip-drag curves of the run
    (`evaluated.slip_with_play`).
 8. Add the play of the pockets and their oil film, where the scene does not state them, to the bounds of the slip with
    play: by the root sum of squares of the changes of its log-odds (`_add_pockets`).
@@ -133,7 +135,7 @@ _LESS_BY_METAL: Final = 0.45
 
 @attrs.frozen
 class QuantityEffect:
-    """Effect of one uncertain quantity: its quantiles, and factors there on a load or the odds s/(1 - s) of a slip."""
+    """Effect of one uncertain quantity: its quantiles, and factors there on a load, torque or the odds of a slip."""
 
     key: str  #: Key of the quantity in a scene.
     unit: str  #: Its SI unit.
@@ -145,7 +147,7 @@ class QuantityEffect:
 
 @attrs.frozen
 class Band:
-    """Factors from a load, or from the odds s/(1 - s) of a slip s, to its quantiles (`QUANTILES`)."""
+    """Factors from a load, a torque, or the odds s/(1 - s) of a slip s to its quantiles (`QUANTILES`)."""
 
     low: float  #: Factor to the lower quantile [-].
     high: float  #: Factor to the higher quantile [-], infinite where the cage skids.
@@ -156,7 +158,7 @@ class Band:
 
 
 def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_slip") -> "xr.Dataset":
-    """Return a result with the bands of its smallest steady slip and minimum load, as JSON in attributes.
+    """Return a result with the bands of its smallest steady slip, torque and minimum load, as JSON in attributes.
 
     Attribute ``band`` has by name of the value "low" and "high", "dominant", the key of the quantity with the largest
     effect, "changes", the effects of all quantities, of a slip "median", that with all quantities at their medians, and
@@ -178,17 +180,10 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_sli
     # no steady slip, or a cage without drag
     if not slips.size or slips[0] == 0.0 or not slips[0] < math.inf:
         return dataset
-    acceptable = dataset.attrs.get("acceptable_slip")
+    values = _nominal_values(dataset, slip_name)
     acceptable_slip = None
-    slip_without_play = float(np.ravel(without_play(dataset)[slip_name])[0])
-    values = {"steady_slip": max(slip_without_play, SEARCH.slip_floor)}
-    if (
-        acceptable is not None
-        and "minimum_load" in dataset
-        and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND
-    ):
-        values["minimum_load"] = float(dataset["minimum_load"])
-        acceptable_slip = float(acceptable)
+    if "minimum_load" in values:
+        acceptable_slip = float(dataset.attrs["acceptable_slip"])
     with_play = slip_with_play(dataset)
 
     def scaled(name: str, factor: float) -> float:
@@ -196,7 +191,8 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_sli
             return with_play(_scale_odds(values[name], factor))
         return values[name] * factor
 
-    bands_by_name = bands(scene, values["steady_slip"], acceptable_slip)
+    found = bands(scene, values["steady_slip"], acceptable_slip)
+    bands_by_name = {name: band for name, band in found.items() if name in values}
     record = {}
     for name, band in bands_by_name.items():
         nominal = float(dataset[slip_name if name == "steady_slip" else name].to_numpy().flat[0])
@@ -237,6 +233,22 @@ def with_bands(scene: Scene, dataset: "xr.Dataset", slip_name: str = "steady_sli
         consequences=json.dumps(rows),
         choices=json.dumps([*choices]),
     )
+
+
+def _nominal_values(dataset: "xr.Dataset", slip_name: str) -> dict[str, float]:
+    """Return the values of a result that get a band: slip without play, and load and torque where known."""
+    slip = float(np.ravel(without_play(dataset)[slip_name])[0])
+    values = {"steady_slip": max(slip, SEARCH.slip_floor)}
+    if (
+        "acceptable_slip" in dataset.attrs
+        and "minimum_load" in dataset
+        and Status.of(dataset["minimum_load_status"].item()) is Status.FOUND
+    ):
+        values["minimum_load"] = float(dataset["minimum_load"])
+    torque = float(np.ravel(dataset.get("friction_torque", math.nan))[0])
+    if 0.0 < torque < math.inf:
+        values["friction_torque"] = torque
+    return values
 
 
 def _choices(
@@ -353,9 +365,10 @@ def _json_value(name: str, value: float) -> float | None:
 
 
 def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
-    """Return the bands of the steady slip and of the minimum load, by name; empty without uncertain quantities.
+    """Return the bands of steady slip, friction torque and minimum load, by name; empty without uncertain quantities.
 
-    A band is left out where the nominal value, or the effect of every quantity, is not known.
+    A band is left out where the nominal value, or the effect of every quantity, is not known; that of the torque also
+    where the cage skids at a quantile.
 
     Parameters
     ----------
@@ -386,20 +399,12 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
         key: tuple(distribution.quantile(np.array(QUANTILES)).tolist())
         for key, distribution in table.distributions.items()
     }
-    searches = {"steady_slip": _slip_search(nominal, slip)}
-    if acceptable is not None:
-        searches["minimum_load"] = _load_search(nominal, acceptable)
+    searches = _searches(nominal, slip, acceptable)
     bands_by_name = {}
     for name, search in searches.items():
         if search is None:
             continue
-
-        def factor(values: Mapping[str, float], search: _Factor = search) -> float:
-            try:
-                return search(bearing(*values.items()))
-            except RollslipError:  # of a value that the scene refuses, the effect is not known
-                return math.nan
-
+        factor = _by_values(search, bearing)
         effects = [
             QuantityEffect(
                 key,
@@ -415,6 +420,9 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
             if name == "steady_slip":
                 median = factor_at(dict.fromkeys(quantiles, 0.0))
                 bands_by_name[name] = attrs.evolve(band, median=median)
+    of_slip = bands_by_name.get("steady_slip", Band(1.0, 1.0, ""))
+    if any(math.inf in effect.factors for effect in of_slip.effects):
+        bands_by_name.pop("friction_torque", None)
     return bands_by_name
 
 
@@ -470,6 +478,20 @@ def _factors(
     return factor
 
 
+def _searches(
+    nominal: Assembly, slip: float, acceptable: float | None
+) -> dict[str, _Factor | None]:
+    """Return by name of a value the function that finds its factors at bearings near the nominal one; see `bands`."""
+    searches = dict[str, _Factor | None]()
+    if (slip_search := _slip_search(nominal, slip)) is not None:
+        slip_factor = cache(slip_search)
+        searches["steady_slip"] = slip_factor
+        searches["friction_torque"] = _torque_search(nominal, slip, slip_factor)
+    if acceptable is not None:
+        searches["minimum_load"] = _load_search(nominal, acceptable)
+    return searches
+
+
 def _slip_search(nominal: Assembly, slip: float) -> _Factor | None:
     """Return the function that finds the factor of the odds of the steady slip; infinite where the cage skids."""
     nominal_balance = torque_balance(nominal, n_positions=1, inertia=False)
@@ -487,6 +509,32 @@ def _slip_search(nominal: Assembly, slip: float) -> _Factor | None:
     return _factors(
         log_slip, nominal, slip, lambda log: log if math.isinf(log) else _log_odds(math.exp(log))
     )
+
+
+def _torque_search(nominal: Assembly, slip: float, slip_factor: _Factor) -> _Factor | None:
+    """Return the function that finds the factor of the friction torque at the steady slip; NaN where the cage skids.
+
+    Parameters
+    ----------
+    nominal : Assembly
+        The nominal bearing.
+    slip : float
+        Its steady cage slip [-], positive.
+    slip_factor : callable
+        Finds the factor of the odds of the steady slip.
+    """
+    nominal_balance = torque_balance(nominal, n_positions=1, inertia=False)
+    start = math.exp(_log_steady_slip(nominal_balance, math.log(slip), None)[0])
+
+    def torque(assembly: Assembly) -> float:
+        own_slip = _scale_odds(start, slip_factor(assembly))
+        if not math.isfinite(own_slip):
+            return math.nan
+        balance = torque_balance(assembly, n_positions=1, inertia=False, similar=nominal_balance)
+        return power_balance(balance, balance.orbit(own_slip)).friction_torque
+
+    own = torque(nominal)
+    return (lambda assembly: torque(assembly) / own) if own > 0.0 else None
 
 
 def _log_steady_slip(
@@ -562,6 +610,20 @@ def _root_by_secants(
     except (DomainError, ConvergenceError, OverflowError):
         return math.nan, 0.0
     return root_and_slope or (math.nan, 0.0)
+
+
+def _by_values(
+    search: _Factor, bearing: Callable[..., Assembly]
+) -> Callable[[Mapping[str, float]], float]:
+    """Return the function that finds the factor at values of quantities; NaN where the scene refuses them."""
+
+    def factor(values: Mapping[str, float]) -> float:
+        try:
+            return search(bearing(*values.items()))
+        except RollslipError:
+            return math.nan
+
+    return factor
 
 
 def _by_scores(

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from rollslip.results.account import Account
-from rollslip.results.accounts import with_assumptions
+from rollslip.results.accounts import largest_load_row, with_assumptions
 from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row
 from rollslip.results.text import (
     Status,
@@ -129,7 +129,7 @@ def _rows(dataset: "xr.Dataset", acceptable: float) -> "Iterator[Row | None]":
     status = str(dataset["status"].item())
     yield slip_row(dataset, slip, status, known=_KNOWN, within=0.02)
     preload = max(0.0, -(clearance or 0.0))
-    limit = _largest_load_row(dataset, load)
+    limit = largest_load_row(dataset, load)
     is_heavy = limit is not None and load > _NEAR_LIMIT * limit.value
     if "minimum_load" in dataset:
         if slip < -acceptable or Status.DRIVEN in status:
@@ -179,23 +179,8 @@ def _facts(dataset: "xr.Dataset", kappa: float) -> dict[Fact, float]:
     return facts | ({Fact.AXIAL_RATIO: ratio} if load > 0.0 else {})
 
 
-def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
-    """Return the row of the largest load, by rating life or static rating; None for an older result."""
-    if "largest_load" not in dataset.attrs:
-        return None
-    largest = float(dataset.attrs["largest_load"])
-    return Row(
-        key="largest_load",
-        label="largest load",
-        value=largest,
-        unit="N",
-        text=format_force(largest, load),
-        note=f"{dataset.attrs['largest_load_limit']}{'; exceeded' * (load > largest)}",
-    )
-
-
 def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
-    """Return the row of the friction torque at a steady slip; None where it is not known."""
+    """Return the row of the friction torque at a steady slip, with its band; None where it is not known."""
     if "loss" not in state or not math.isfinite(torque := float(state["friction_torque"])):
         return None
     factor, unit = (1e3, "mN m") if torque < 0.1 else (1.0, "N m")
@@ -204,13 +189,24 @@ def _torque_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
     if "ring_torque" in state and state["ring_power"].all():  # both rings turn
         sizes = np.abs(state["ring_torque"].to_numpy()).tolist()
         rings = "of inner and outer ring"
-    notes = [rings, f"{format_power(float(state['loss'].sum()))} of heat", describe_doubt(dataset)]
+    stored = json.loads(dataset.attrs.get("band", "{}")).get("friction_torque")
+    band = None if stored is None else (stored["low"], stored["high"])
+    bounds = ""
+    if band and not rings:
+        bounds = " to ".join(two_digits(factor * bound) for bound in band)
+    notes = [
+        bounds,
+        rings,
+        describe_doubt(dataset),
+        f"{format_power(float(state['loss'].sum()))} of heat",
+    ]
     return Row(
         key="friction_torque",
         label="friction torque",
         value=torque,
         unit="N m",
         text=f"{' and '.join(two_digits(factor * size) for size in sizes)} {unit}",
+        band=band,
         note="; ".join(filter(None, notes)),
         rank=_KNOWN,
     )
