@@ -1,19 +1,24 @@
 """Windows of loads: both limits are those of single runs, and each does what it is named for."""
 
+import re
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import rollslip
 from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.results.accounts import account_of, answer
 from rollslip.results.table import sheet
+from rollslip.studies.quantities import quantities
 from rollslip_campaigns.window import WindowSettings
 from rollslip_campaigns.window.figures import draw_window, window_figures
 from rollslip_campaigns.window.findings import describe_window
 from rollslip_campaigns.window.window import plan_window
+from rollslip_studies.variation.scatter import read_scatter
 
 #: Few slices, and rollers set in the cage: quick, and both limits with all that belongs to them.
 SCENE = evolve(
@@ -124,6 +129,66 @@ def test_its_answer_table_and_record_have_every_point(found):
     assert [point["minimum_load"] for point in record["points"]] == found[
         "minimum_load"
     ].values.tolist()
+
+
+@pytest.fixture(scope="module")
+def with_bands():
+    return rollslip.window(SCENE, OVER, hours=HOURS, engine="serial", bands=True)
+
+
+def test_the_band_of_the_minimum_load_is_that_of_a_run(found, with_bands):
+    np.testing.assert_allclose(with_bands["minimum_load"], found["minimum_load"], rtol=0.01)
+    row = answer(rollslip.run(SCENE, "steady-slip"))["minimum_load"]
+    bounds = [with_bands[f"minimum_load_{side}"][1].item() for side in ("low", "high")]
+    assert bounds == pytest.approx(row.band, rel=0.01)
+
+
+def test_the_band_of_the_largest_load_is_the_root_sum_of_squares_of_what_scatters(with_bands):
+    """Of the bearing, as runs at quantiles of 5 and 95 % have it."""
+    hours = evolve(SCENE, {"study.rating-life.hours": HOURS}, si=True)
+    scatter = read_scatter(SCENE, quantities(assemble(SCENE), {})).distributions
+    nominal = with_bands["largest_load"][1].item()
+    logs = [
+        [
+            np.log(float(rollslip.run(evolve(hours, {key: end}, si=True), "rating-life").largest_load.min()) / nominal)
+            for end in distribution.quantile(np.array([0.05, 0.95])).tolist()
+        ]
+        for key, distribution in scatter.items()
+        if key.startswith("bearing.")
+    ]  # fmt: skip
+    assert len(logs) == 3
+    for side, changes in (
+        ("low", np.minimum(logs, 0.0).min(1)),
+        ("high", np.maximum(logs, 0.0).max(1)),
+    ):
+        found = np.log(with_bands[f"largest_load_{side}"][1].item() / nominal)
+        assert abs(found) == pytest.approx(np.linalg.norm(changes), rel=1e-3)
+        assert abs(found) > 0.01
+
+
+@pytest.mark.parametrize(
+    ("load", "place"),
+    [
+        ("minimum_load_high", "inside the window at"),
+        ("minimum_load", "within the band of the minimum load"),
+        ("largest_load", "within the band of the largest load"),
+    ],
+)
+def test_it_says_in_which_band_the_load_lies(with_bands, load, place):
+    text = describe_window(with_bands.assign(radial_load=with_bands[load][1]))
+    assert place in text
+    assert re.search(r": [\d.]+ k?N \([\d.]+ k?N to [\d.]+ k?N\) to [\d.]+ kN \(", text)
+
+
+def test_bands_are_in_rows_record_and_figure(found, with_bands):
+    head, _ = sheet(with_bands)
+    assert [name.partition(" [")[0] for name in head[1:7]] == [
+        f"{load}_load{side}" for load in ("minimum", "largest") for side in ("", "_low", "_high")
+    ]
+    point = account_of(with_bands).record(with_bands)["points"][0]
+    assert point["largest_load_high"] == with_bands["largest_load_high"][0].item()
+    for result, count in ((found, 1), (with_bands, 3)):
+        assert len(draw_window(result).axes[0].collections) == count
 
 
 @pytest.mark.parametrize(

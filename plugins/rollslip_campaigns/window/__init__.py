@@ -28,7 +28,8 @@ class WindowSettings(OfPoints):
     xarray.Dataset
         (point,), in ascending order: ``varied``, the quantity; ``minimum_load``, ``static_limit`` and ``largest_load``,
         the smaller one of the static limit and the loads by rating life. (life_model, point): ``life_load``. Each with
-        a status in words. ``own_point``: the number of the point that is the operation of the scene.
+        a status in words. ``own_point``: the number of the point that is the operation of the scene. With ``bands``
+        also ``minimum_load_low`` and ``_high``, ``largest_load_low`` and ``_high``: their 5 and 95 % bounds.
 
     Raises
     ------
@@ -68,6 +69,11 @@ class WindowSettings(OfPoints):
         value_type=float,
         metavar="FACTOR",
         show_default=True,
+    )
+    bands: bool = setting(
+        "Bands of both loads by what scatters; takes about seven times as long.",
+        default=False,
+        value_type=bool,
     )
 
     def plan(self) -> "WindowPlan":

@@ -4,6 +4,7 @@ Style, sizes and files are those of `rollslip.results.style`.
 """
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,6 +15,9 @@ from rollslip.results.text import capitalise, short_label
 from rollslip.units import converted, shown_unit
 
 __all__ = ["draw_window", "window_figures"]
+
+#: Load -> colour of its curve and of its band.
+_COLOURS: Final = {"minimum_load": MODEL_COLOURS[1], "largest_load": MODEL_COLOURS[0]}
 
 
 def window_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -28,7 +32,7 @@ def window_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
 
 
 def draw_window(dataset: "xr.Dataset") -> "Figure":
-    """Draw both limits, the range between them, and the operation of the scene."""
+    """Draw both limits with their bands, the range that is safe with these, and the operation of the scene."""
     sheet = Sheet()
     axes = sheet.axes
     varied = dataset["varied"]
@@ -36,20 +40,22 @@ def draw_window(dataset: "xr.Dataset") -> "Figure":
     shown = shown_unit(float(np.abs(varied).max()), unit) or unit
     x = converted(varied.to_numpy(), unit, shown)
     minimum = dataset["minimum_load"].to_numpy() / 1e3
-    largest = dataset["largest_load"].to_numpy() / 1e3
+    lowest = dataset.get("minimum_load_high", dataset["minimum_load"]).to_numpy() / 1e3
+    highest = dataset.get("largest_load_low", dataset["largest_load"]).to_numpy() / 1e3
+    is_safe = lowest < highest
     axes.fill_between(
-        x,
-        minimum,
-        largest,
-        where=minimum < largest,
-        color=MODEL_COLOURS[2],
-        alpha=0.15,
-        linewidth=0.0,
+        x, lowest, highest, where=is_safe, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0
     )
-    sheet.line(x, minimum, "minimum load, slip", color=MODEL_COLOURS[1], marker="o", markersize=3)
+    for name, colour in _COLOURS.items():
+        if f"{name}_low" in dataset:
+            low, high = (dataset[f"{name}_{side}"].to_numpy() / 1e3 for side in ("low", "high"))
+            axes.fill_between(x, low, high, color=colour, alpha=0.25, linewidth=0.0)
+    sheet.line(
+        x, minimum, "minimum load, slip", color=_COLOURS["minimum_load"], marker="o", markersize=3
+    )
     for k, name in enumerate(dataset["life_model"].to_numpy().astype(str)):
         loads = dataset["life_load"].to_numpy()[k] / 1e3
-        sheet.line(x, loads, f"life, {name}", color=MODEL_COLOURS[0], linestyle=DASHES[k])
+        sheet.line(x, loads, f"life, {name}", color=_COLOURS["largest_load"], linestyle=DASHES[k])
     sheet.handles.append(
         axes.axhline(
             float(dataset["static_limit"]) / 1e3, label="static rating", color="0.4", linestyle=DASHES[2],
@@ -58,6 +64,8 @@ def draw_window(dataset: "xr.Dataset") -> "Figure":
     )  # fmt: skip
     if (own := int(dataset["own_point"])) >= 0:
         sheet.mark(x[own], float(dataset["radial_load"]) / 1e3, "this operation", marker="x")
+    if "minimum_load_low" in dataset:
+        sheet.key("5 to 95 % where data scatter", color="0.5", alpha=0.3, linewidth=6)
     axes.set_yscale("log")
     plain_decades(axes.yaxis)
     label = capitalise(short_label(str(varied.attrs["key"])))

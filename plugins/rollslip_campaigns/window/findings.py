@@ -17,8 +17,10 @@ __all__ = ["WindowAccount", "describe_window"]
 
 #: Points in an answer. Chosen: with notes and next step they fill 15 lines.
 _SHOWN: Final = 5
-#: Variables of the table, in the order of its columns.
-_COLUMNS: Final = ("varied", "minimum_load", "largest_load", "limited_by", "status")
+#: Loads at both ends of the window.
+_LOADS: Final = ("minimum_load", "largest_load")
+#: Variables of the table, in the order of its columns; with bands, the bounds of each load follow it.
+_COLUMNS: Final = ("varied", *_LOADS, "limited_by", "status")
 
 
 class WindowAccount(Account):
@@ -37,6 +39,7 @@ class WindowAccount(Account):
             assumed=(
                 f"slip up to {percent(attrs['acceptable_slip'])}; rating life of {attrs['hours']:,.10g} h without "
                 f"modification; C0 over {attrs['static_safety']:g}",
+                *["bands: 5 to 95 % where data scatter"] * ("minimum_load_low" in dataset),
             ),
             next=(
                 f"rollslip run {attrs['source']}",
@@ -61,7 +64,11 @@ class WindowAccount(Account):
             "found": describe_window(dataset),
             "radial_load": float(dataset["radial_load"]),
             "points": [
-                {name: or_none(point[name]) for name in ("varied", "minimum_load", "largest_load")}
+                {
+                    name: or_none(point[name])
+                    for name in _columns(dataset)
+                    if name not in ("limited_by", "status")
+                }
                 | {"limited_by": point["limited_by"], "status": point["status"]}
                 for point in rows_along(dataset, "point")
             ],
@@ -69,19 +76,28 @@ class WindowAccount(Account):
 
     def sheets(self, dataset: "xr.Dataset") -> dict[str, SpreadsheetRows]:
         """Return a row for each value: both loads, what limits the larger one, and their statuses."""
-        others = [name for name in dataset.data_vars if name not in _COLUMNS]
-        return {"": point_rows(dataset[[*_COLUMNS, *others]])}
+        columns = _columns(dataset)
+        others = [name for name in dataset.data_vars if name not in columns]
+        return {"": point_rows(dataset[[*columns, *others]])}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table with a row for each value, or none if it would be too long."""
-        return point_table(point_rows(dataset[[*_COLUMNS]]), [dataset["varied"].attrs["key"]])
+        return point_table(point_rows(dataset[_columns(dataset)]), [dataset["varied"].attrs["key"]])
+
+
+def _columns(dataset: "xr.Dataset") -> list[str]:
+    """Return the variables of the table that the result has."""
+    names = list[str]()
+    for name in _COLUMNS:
+        names += [name, f"{name}_low", f"{name}_high"]
+    return [name for name in names if name in dataset]
 
 
 def _missing(dataset: "xr.Dataset") -> list[str]:
     """Return in words which loads are not known, and why."""
     return [
         f"no {name.replace('_', ' ')} at {_at(dataset, k)}: {point[f'{name}_status'] or point['message']}"
-        for name in ("minimum_load", "largest_load")
+        for name in _LOADS
         for k, point in enumerate(rows_along(dataset, "point"))
         if not np.isfinite(point[name])
     ]
@@ -106,6 +122,10 @@ def describe_window(dataset: "xr.Dataset") -> str:
         place = "above the window"
     elif not (np.isfinite(low) and np.isfinite(high)):
         place = "in a window that is not known"
+    elif load < dataset.get("minimum_load_high", dataset["minimum_load"])[own]:
+        place = "inside the window, but within the band of the minimum load,"
+    elif load > dataset.get("largest_load_low", dataset["largest_load"])[own]:
+        place = "inside the window, but within the band of the largest load,"
     return f"{format_quantity(load, 'N', 2)} is {place} at {_at(dataset, own)}: {_window(dataset, own)}"
 
 
@@ -117,13 +137,25 @@ def _at(dataset: "xr.Dataset", k: int) -> str:
 
 
 def _window(dataset: "xr.Dataset", k: int) -> str:
-    """Return both loads at a point in words."""
-    loads = [float(dataset[name][k]) for name in ("minimum_load", "largest_load")]
-    low, high = (
-        format_quantity(load, "N", 2) if np.isfinite(load) else "unknown" for load in loads
-    )
+    """Return both loads at a point in words, with their bands where the result has them."""
+    low = _load(dataset, "minimum_load", k)
+    high = _load(dataset, "largest_load", k)
     limit = str(dataset["limited_by"][k].item())
     return f"{low} to {high}" + (f" by {limit}" if limit else "")
+
+
+def _load(dataset: "xr.Dataset", name: str, k: int) -> str:
+    """Return a load at a point in words, with its band where the result has it."""
+    texts = list[str]()
+    for column in (name, f"{name}_low", f"{name}_high"):
+        if column in dataset:
+            load = float(dataset[column][k])
+            text = "unknown"
+            if np.isfinite(load):
+                text = format_quantity(load, "N", 2)
+            texts.append(text)
+    band = f" ({' to '.join(texts[1:])})"
+    return texts[0] + band * (len({*texts}) > 1)
 
 
 ACCOUNT: Final = WindowAccount("window")

@@ -2,6 +2,11 @@
 
 Both are sweeps over the same values, among which is that of the scene, so that its window is computed and not read off
 a curve.
+
+On request both have bands by what scatters. That of the minimum load is the one of a run. The largest load, without
+modification by lubrication, depends on the bearing alone: it is computed with each of its quantities that scatter at
+both quantiles. The band is the root of the sum of squares of the changes of the logarithm of the load, of increases and
+decreases separately (JCGM 100:2008, 5.1).
 """
 
 from collections.abc import Callable, Sequence
@@ -17,19 +22,22 @@ from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
 from rollslip.results.text import Status
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.values import Scene
+from rollslip.search import Array
 from rollslip.structure import raise_problem_if
 from rollslip.studies.quantities import quantities
 from rollslip.studies.rating_life.model import life_models
 from rollslip.studies.study import settings
 from rollslip.units import quantity
 from rollslip_campaigns.sweep.definition import Sweep
-from rollslip_campaigns.sweep.folder import Points
+from rollslip_campaigns.sweep.folder import Points, plan_with_evaluation
 from rollslip_campaigns.sweep.run import requested_engine
 from rollslip_campaigns.sweep.sampling import continuous_quantity, read_overs, read_range
 from rollslip_campaigns.sweep.sweep import assemble_varied, plan_sweep, without_tables
 from rollslip_campaigns.window import WindowSettings
 from rollslip_studies.rating_life.study import RatingLife
+from rollslip_studies.steady_slip.band import QUANTILES
 from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.variation.scatter import read_scatter
 
 __all__ = ["WindowPlan", "plan_window", "run_window"]
 
@@ -41,6 +49,8 @@ _SPEED_RANGE: Final = (0.25, 2.0)
 _DEFAULT_COUNT: Final = 6
 #: Most values; each takes as long as a minimum load.
 _MAX_COUNT: Final = 1000
+#: Beginning of the keys of quantities on which a life without modification depends.
+_OF_BEARING: Final = "bearing."
 #: What limits a largest load besides the models of a rating life.
 _STATIC: Final = "static rating"
 
@@ -63,6 +73,8 @@ class WindowPlan:
         Largest loads by rating life.
     acceptable_slip : float
         Slip to which the minimum load belongs.
+    scattered : tuple of Sweep
+        Largest loads with each quantity of the bearing that scatters at both of its quantiles; empty without bands.
     """
 
     requested: WindowSettings
@@ -71,6 +83,7 @@ class WindowPlan:
     minimum: Sweep
     life: Sweep
     acceptable_slip: float
+    scattered: tuple[Sweep, ...] = ()
 
     @property
     def unusual(self) -> tuple[str, ...]:
@@ -121,15 +134,48 @@ def plan_window(requested: WindowSettings) -> WindowPlan:
     values = _values(varied, span)
     written = [f"{value!r} {varied.unit}" for value in values]
     options = {"engine": requested.engine, "time_limit": requested.time_limit}
-    minimum = plan_sweep(
-        base, {varied.key: written}, study=SteadySlip.name, output=["minimum_load"], **options
+    minimum = plan_with_evaluation(
+        base,
+        {varied.key: written},
+        study=SteadySlip.name,
+        output=["minimum_load"],
+        bands=requested.bands,
+        **options,
     )
     hours = evolve(base, {f"study.{RatingLife.name}.hours": requested.hours}, si=True)
     life = plan_sweep(
         hours, {varied.key: written}, study=RatingLife.name, output=["largest_load"], **options
     )
+    scattered = list[Sweep]()
+    for key, quantiles in _quantiles(base, known).items():
+        if requested.bands and key != varied.key:
+            over_both = {varied.key: written, key: quantiles}
+            scattered.append(
+                plan_sweep(
+                    hours,
+                    over_both,
+                    study=RatingLife.name,
+                    output=["largest_load"],
+                    **options,
+                )
+            )
     requested_engine(minimum)  # an unusable engine is refused here
-    return WindowPlan(requested, varied, values, minimum, life, _acceptable_slip(base))
+    return WindowPlan(
+        requested, varied, values, minimum, life, _acceptable_slip(base), tuple(scattered)
+    )
+
+
+def _quantiles(scene: Scene, known: dict[str, Quantity]) -> dict[str, list[str]]:
+    """Return the quantiles of quantities of the bearing that scatter by key, with their units."""
+    texts = dict[str, list[str]]()
+    table = read_scatter(scene, known)
+    if table is None:
+        return texts
+    for key, distribution in table.distributions.items():
+        if key.startswith(_OF_BEARING):
+            ends = distribution.quantile(np.array(QUANTILES))
+            texts[key] = [f"{end!r} {known[key].unit}" for end in ends.tolist()]
+    return texts
 
 
 def _values(varied: Quantity, span: object) -> tuple[float, ...]:
@@ -165,6 +211,15 @@ def run_window(
         points.compute()
         computed.append(points.collect())
     dataset = _result(made, *computed)
+    others = list[Array]()
+    for k, sweep in enumerate(made.scattered):
+        points = Points.in_folder(
+            sweep, folder / f"{RatingLife.name}-{k}", message, lambda now: show(*now.summary)
+        )
+        points.compute()
+        others.append(_largest_loads(points.collect(), float(dataset["static_limit"])))
+    if made.requested.bands:
+        dataset = dataset.assign(_bounds(dataset, computed[0], others))
     save(dataset, folder / "window.nc")
     return dataset
 
@@ -238,6 +293,50 @@ def _result(made: WindowPlan, slips: "xr.Dataset", by_life: "xr.Dataset") -> "xr
             "acceptable_slip": made.acceptable_slip,
         },
     )
+
+
+def _largest_loads(found: "xr.Dataset", static_limit: float) -> Array:
+    """Return the largest loads over the points and both quantiles of a quantity, (point, 2); NaN without a result."""
+    if "largest_load" not in found:
+        return np.full(found["status"].shape, np.nan)
+    loads = found["largest_load"].min("life_model", skipna=False).to_numpy()
+    return np.asarray(np.minimum(loads, static_limit))
+
+
+def _bounds(dataset: "xr.Dataset", slips: "xr.Dataset", others: Sequence[Array]) -> dict[str, Any]:
+    """Return the variables of the bounds of both loads.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result without them.
+    slips : xarray.Dataset
+        Minimum loads with their bounds.
+    others : sequence of ndarray of float, shape (n, 2)
+        Largest loads with a quantity at both quantiles, for each quantity.
+    """
+    largest = dataset["largest_load"].to_numpy()
+    squares = np.zeros((2, largest.size))
+    for loads in others:
+        logs = np.log(loads / largest[:, None])
+        fall = logs.min(axis=1)
+        rise = logs.max(axis=1)
+        squares[0] += fall.clip(max=0.0) ** 2
+        squares[1] += rise.clip(min=0.0) ** 2
+    falls, rises = np.sqrt(squares)
+    bounds = {
+        "largest_load_low": largest * np.exp(-falls),
+        "largest_load_high": largest * np.exp(rises),
+    }
+    for name in ("minimum_load_low", "minimum_load_high"):
+        bounds[name] = np.full(largest.size, np.nan)
+        if name in slips:
+            bounds[name] = slips[name].to_numpy()
+    variables = dict[str, Any]()
+    for name, values in bounds.items():
+        meaning = f"{name.replace('_', ' ')} bound by what scatters"
+        variables[name] = "point", values, about("N", meaning)
+    return variables
 
 
 def _statuses(dataset: "xr.Dataset", output: str, messages: list[str]) -> list[str]:

@@ -4,7 +4,7 @@ The band of a value lies between its quantiles of 5 and 95 % (`QUANTILES`) where
 cannot afford samples, so the band comes from the advanced mean value method of structural reliability, on a coarse
 model:
 
-1. Read the distributions of the uncertain quantities of the scene, by default those of `with_scatter`.
+1. Read the distributions of the uncertain quantities of the scene, by default those of `read_scatter`.
 2. Assemble the bearing with at most 24 slices and one position of the rollers, and as often again with one quantity at
    lower or its higher quantile, all others at their nominal values.
 3. At each of these bearings find the steady slip by secants on the torque balance, in the logarithm of the slip, from
@@ -59,14 +59,14 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import read_cage
 from rollslip.catalogue.registry import get_class
-from rollslip.errors import ConvergenceError, DomainError, RollslipError, SceneError
+from rollslip.errors import ConvergenceError, DomainError, RollslipError
 from rollslip.models import SliceModel
 from rollslip.results.curves import or_none
 from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.search import Array, secant_root
-from rollslip.structure import Location, thawed
+from rollslip.structure import thawed
 from rollslip.studies.quantities import quantities
 from rollslip.studies.validity import APPROXIMATION
 from rollslip_studies.motion.loading_branch import SEARCH
@@ -82,8 +82,8 @@ from rollslip_studies.steady_slip.evaluated import (
     without_play,
 )
 from rollslip_studies.variation.choices import open_choices
-from rollslip_studies.variation.distributions import Uncertainty, read_uncertainty
-from rollslip_studies.variation.scatter import with_scatter
+from rollslip_studies.variation.distributions import Uncertainty
+from rollslip_studies.variation.scatter import read_scatter
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -379,16 +379,11 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
     acceptable : float or None
         Acceptable cage slip [-] of the minimum load; None for no band of that.
     """
-    try:
-        uncertain, _ = with_scatter(scene)
-    except SceneError:
-        return {}
+    given = scene
     scene = attrs.evolve(scene, sweep=None, uncertainty=None)
     nominal = _coarse_assembly(scene)
-    problems = list[str]()
     known = quantities(nominal, {})
-    table = read_uncertainty(uncertain.uncertainty or {}, Location({}), known, problems)
-    if problems or not table.distributions:
+    if (table := read_scatter(given, known)) is None:
         return {}
 
     @cache

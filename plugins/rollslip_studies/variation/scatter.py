@@ -19,10 +19,11 @@ from rollslip.errors import SceneError
 from rollslip.scene.changes import Quantity, stated_values
 from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene
-from rollslip.structure import FrozenTable, resolved
+from rollslip.structure import FrozenTable, Location, resolved
 from rollslip.studies.quantities import quantities
+from rollslip_studies.variation.distributions import Uncertainty, read_uncertainty
 
-__all__ = ["scattering", "states", "with_scatter"]
+__all__ = ["read_scatter", "scattering", "states", "with_scatter"]
 
 #: Factor on data -> the data, "" for the table of the factor: a scene that states these has no use for the factor.
 _MEASURED: Mapping[str, tuple[str, ...]] = {
@@ -146,3 +147,22 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
         f"{key} {scatter.grade}: {scatter.source}" for key, (scatter, _) in scatters.items()
     )
     return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw)), sources
+
+
+def read_scatter(scene: Scene, known: dict[str, Quantity]) -> Uncertainty | None:
+    """Return what scatters in a scene, or by default; None where nothing is known of that.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    known : dict of str to Quantity
+        The values of the scene that can be varied, by key.
+    """
+    problems = list[str]()
+    try:
+        uncertain, _ = with_scatter(scene)
+    except SceneError:
+        return None
+    table = read_uncertainty(uncertain.uncertainty or {}, Location({}), known, problems)
+    return None if problems or not table.distributions else table
