@@ -16,6 +16,7 @@ from rollslip.models import RibContact
 from rollslip.planning.new_scene import new
 from rollslip.results.accounts import account_of
 from rollslip.results.text import Status, percent
+from rollslip.studies.outputs import evaluate
 from rollslip_kernels.motion import pocket
 from rollslip_kernels.motion.raceway import table_friction
 from rollslip_studies.dynamics.study import Dynamics
@@ -769,3 +770,33 @@ def test_the_limit_drag_with_play_is_found_where_the_play_takes_it_to_far_larger
     assert found["skidding_slip"] == pytest.approx(0.06, rel=0.05)
     assert found["limit_drag_low"] < found["skidding_slip"] < found["limit_drag_high"]
     assert math.isnan(found["jump_slip"]), "it lies below"
+
+
+@pytest.mark.parametrize(
+    ("name", "load"), [("gearbox", 1500.0), ("gearbox", 500.0), ("1032930-70C", 3000.0)]
+)
+def test_answers_without_the_curve_are_those_of_a_run_and_take_fewer_marches(
+    name, load, monkeypatch
+):
+    """The largest ratio of torque and drags is the same where torques are computed near it alone."""
+    changes = {"accuracy.slices": 9, "operation.radial_load": load}
+    scene = evolve(load_scene(name), changes, si=True)
+    study = SteadySlip()
+    counts = []
+    march = Pockets._march
+
+    def counted(self, slips, *rest):
+        counts.append(slips.size)
+        return march(self, slips, *rest)
+
+    monkeypatch.setattr(Pockets, "_march", counted)
+    bearing = assemble(scene)
+    whole = study.completed(bearing, study.run(bearing))
+    with_curve = sum(counts)
+    counts.clear()
+    names = ("steady_slip", "drag_reserve", "acceptable_reserve", "minimum_load", "skidding_slip")
+    values, _, _ = evaluate(study, bearing, names)
+    assert sum(counts) < 0.7 * with_curve
+    for output in names:
+        np.testing.assert_allclose(values[output][1], whole[output], rtol=1e-12)
+    assert float(whole["steady_slip"][0]) != float(whole["slip_without_play"])

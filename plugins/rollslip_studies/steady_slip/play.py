@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 #: Slips at which the limit drag torque with play is sought, over that without play: the play takes the maximum to
 #: larger slips, by a factor of 1.4 where it lowers it by 5 %. Twice as many slips change it by up to 2.5e-3; chosen.
 _NEAR_MAXIMUM: Final = np.geomspace(1.0, 2.5, 12)
+#: Relative error of torques by tables of friction, which may be above those without play. It is 1e-3 at the largest
+#: slips of `gearbox`. Twice as much takes a slip or two more into the search of a reserve; chosen.
+_TABLE_ERROR: Final = 0.01
 #: Steps of a turn of a roller to a stored one: 400 are enough for a figure. Half as many store twice the numbers; the
 #: steps of the march are a multiple. Chosen.
 _STORED: Final = 5
@@ -120,7 +123,10 @@ class Play:
         return [self.found.slip, *without[1:]] if is_found else without
 
     def completed(
-        self, dataset: "xr.Dataset", at_load: Callable[[float], TorqueBalance]
+        self,
+        dataset: "xr.Dataset",
+        at_load: Callable[[float], TorqueBalance],
+        has_curve: bool = True,
     ) -> "xr.Dataset":
         """Return a result with the answers with play, and with those without it under names of their own.
 
@@ -130,6 +136,8 @@ class Play:
             Result of rollers set in the cage.
         at_load : callable
             Torque balance of these at a radial load [N].
+        has_curve : bool
+            Whether the driving torque with play is computed at all slips; otherwise the result has none.
         """
         found = self.found
         values = {
@@ -145,14 +153,17 @@ class Play:
         variables = {name: OUTPUTS[name].variable(value) for name, value in values.items()}
         if self._balance is None:
             return dataset.assign(variables)
-        torques = self._balance.torques(
-            dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
-        )
-        values = {"driving_torque": torques}
+        torques = None
+        values = {}
+        if has_curve:
+            torques = self._balance.torques(
+                dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
+            )
+            values["driving_torque"] = torques
         coords: dict[str, Any] = {}
         if self._skids or found.status == Status.FOUND:
             values |= self._steady(dataset)
-        if found.status == Status.FOUND:
+        if has_curve and found.status == Status.FOUND:
             orbit = self._balance.pockets.orbit(found.slip)
             force = orbit.torque / self.set_balance.assembly.kinematics.orbit_radius
             values["pocket_position"] = orbit.position[_STORED - 1 :: _STORED]
@@ -171,6 +182,8 @@ class Play:
             load = dataset["minimum_load"]
             load_status = str(dataset["minimum_load_status"].item())
             variables |= self.minimum_load(float(load), load_status, load.attrs, at_load)
+        if not has_curve:
+            dataset = dataset.drop_vars("driving_torque")
         return dataset.assign_coords(coords).assign(
             variables | {name: OUTPUTS[name].variable(value) for name, value in values.items()}
         )
@@ -221,20 +234,50 @@ class Play:
         }
 
     def _reserve(
-        self, balance: BalanceWithPlay, dataset: "xr.Dataset", torques: Array
+        self, balance: BalanceWithPlay, dataset: "xr.Dataset", torques: Array | None
     ) -> dict[str, Any]:
-        """Return the drag reserve to skidding, and its status where the cage skids because of the play."""
+        """Return the drag reserve to skidding, and its status where the cage skids because of the play.
+
+        Without torques with play at all slips they are computed near the largest ratio.
+        """
         factor = float(dataset["drag_reserve"])
         if not math.isfinite(factor):
             return {"drag_reserve": factor}
         onset = float(dataset["skidding_slip"])
         limit = SKIDDING_SLIP if math.isnan(onset) else min(SKIDDING_SLIP, onset)
         slips = dataset["cage_slip"].to_numpy()
+        if torques is None:
+            slips, torques = self._near_largest_ratio(
+                balance, slips, dataset["driving_torque"].to_numpy(), limit
+            )
         largest, _ = largest_ratio(balance, slips, torques, limit)
         if self._skids:
             status = f"{Status.SKIDS}: its drags, or the rolling resistance, are more than the rollers carry"
             return {"drag_reserve": min(largest, 1.0), "reserve_status": status}
         return {"drag_reserve": max(largest, 1.0) if factor >= 1.0 else min(largest, 1.0)}
+
+    def _near_largest_ratio(
+        self, balance: BalanceWithPlay, slips: Array, without: Array, limit: float
+    ) -> tuple[Array, Array]:
+        """Return slips and torques with play of the part of a curve in which the ratio of torque and drags is largest.
+
+        The play does not raise a torque that drives the cage, beyond the error of tables of friction. So the ratio
+        with play is nowhere larger than without, and the largest one is among the slips at which the ratio without
+        play is at least that with play at the slip where the former is largest. The neighbours and the last slip,
+        which `largest_ratio` takes, are added.
+        """
+        drags = np.array([-self.set_balance.drag(slip) for slip in slips.tolist()])
+        is_inside = (slips > 0.0) & (slips < limit) & (without > 0.0) & (drags > 0.0)
+        if not is_inside.any():
+            return slips[-1:], np.full(1, np.nan)
+        ratios = np.where(is_inside, without, 0.0) / np.where(is_inside, drags, 1.0)
+        first = [int(ratios.argmax())]
+        known = balance.torques(slips[first], without[first])[0] / drags[first[0]]
+        smallest = (1.0 - _TABLE_ERROR) * min(known, ratios[first[0]])
+        chosen = np.flatnonzero(is_inside & ~(ratios < smallest))
+        near = slice(max(int(chosen[0]) - 1, 0), int(chosen[-1]) + 2)
+        torques = balance.torques(slips[near], without[near])
+        return np.append(slips[near], slips[-1]), np.append(torques, np.nan)
 
     def minimum_load(
         self,

@@ -203,6 +203,8 @@ class SteadySlip(Study):
         doc="rollers in their pockets: with the play of cage.pocket_clearance, or set in the cage",
         validator=choice_of("play", "set"),
     )
+    #: Whether the slip-drag curve is computed with play; a study without that output has none.
+    has_curve: bool = attrs.field(default=True, metadata={"key": None})
     acceptable_slip: float | None = parameter(
         default=0.05,
         unit="1",
@@ -309,15 +311,15 @@ class SteadySlip(Study):
         return costs
 
     def without_outputs(self, outputs: frozenset[str]) -> "SteadySlip":
-        """Return a study that does not compute outputs, those of followed slips and of the minimum load."""
-        dropped: dict[str, object] = {
-            name: () for name in VARIED if outputs >= followed_outputs(name).keys()
-        }
+        """Return a study that does not compute outputs: of followed slips, minimum load, play and its curve."""
+        followed = [name for name in VARIED if outputs >= followed_outputs(name).keys()]
+        dropped: dict[str, object] = dict.fromkeys(followed, ())
         if outputs >= _MINIMUM_LOAD_OUTPUTS:
             dropped["acceptable_slip"] = None
         if outputs >= _AFFECTED_BY_PLAY:
             dropped["pockets"] = "set"
-        return self.with_settings(**dropped) if dropped else self
+        dropped["has_curve"] = not outputs >= PLAY_OUTPUTS.keys() | {"driving_torque"}
+        return self.with_settings(**dropped)
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the smallest stable slip of rollers set in the cage."""
@@ -464,11 +466,11 @@ class SteadySlip(Study):
         """
         if self.pockets == "set":
             return dataset
-        is_found = dataset["status"].item() == Status.FOUND
-        slips = dataset["steady_slip"].to_numpy()[: int(is_found)].tolist()
+        count = int(dataset["status"].item() == Status.FOUND)
+        slips = dataset["steady_slip"].to_numpy()[:count].tolist()
         balance = self._balance(assembly.with_resistance(), int(dataset.attrs["n_positions"]))
         play = self._play(balance, slips)
-        return play.completed(dataset, self._at_load(play.set_balance))
+        return play.completed(dataset, self._at_load(play.set_balance), self.has_curve)
 
     def partial_result(self, assembly: Assembly, outputs: frozenset[str]) -> PartialResult | None:
         """Return steady slips, or the minimum load, with their status as `run` does; None for other outputs."""
