@@ -187,6 +187,17 @@ def test_a_wrong_table_is_refused_with_its_place(tmp_path, lines, message):
         planned(written(tmp_path, *lines))
 
 
+def test_more_cases_than_anybody_waits_for_are_refused_with_a_way_out(monkeypatch):
+    monkeypatch.setattr("rollslip_campaigns.cases.cases._MAX_COMPUTED", 2)
+    table = pandas.DataFrame({"radial_load [kN]": [1.0, 2.0, 3.0]})
+    with pytest.raises(
+        SceneError, match=r"table: to compute 3 cases takes days; .* --interpolate '5 %'"
+    ):
+        planned(table)
+    assert plan_cases(CaseSettings(SCATTERED, table, interpolate="5 %")).sweep.design.size == 3
+    assert planned(table.iloc[:2]).sweep.design.size == 2
+
+
 def test_all_faults_of_a_table_stand_in_one_error(tmp_path):
     with pytest.raises(SceneError) as raised:
         planned(written(tmp_path, "radial_load [N]", "x", "5", "y"))

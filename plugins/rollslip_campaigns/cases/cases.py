@@ -53,6 +53,8 @@ _OUTPUTS: Final = {
     "film_parameter": "film_parameter",
     "viscosity_ratio": "viscosity_ratio",
 }
+#: Largest number of cases that are all computed; more take days. Twice as many take twice the time; chosen.
+_MAX_COMPUTED: Final = 100_000
 #: Values that are interpolated between cases -> size to which differences of smaller ones are relative. Chosen: that of
 #: a slip is 1 %, far below an acceptable one.
 _FLOORS: Final = {**dict.fromkeys(_OUTPUTS, 0.0), "heat": 0.0, "slip": 1e-2}
@@ -104,6 +106,7 @@ def plan_cases(requested: CaseSettings) -> CasePlan:
         cases, of_scene = files_of(given)
         points = of_scene if points is None else points
     table = read_cases(cases, quantities(assembly, settings(base, STUDY)))
+    tolerance = _tolerance(requested, table)
     measured = None if points is None else read_measured(points, assembly)
     sweep = sweep_of_design(
         base,
@@ -115,12 +118,18 @@ def plan_cases(requested: CaseSettings) -> CasePlan:
     )
     sweep = with_engine(sweep, requested.engine, requested.time_limit)
     requested_engine(sweep)  # an unusable engine is refused here
-    return CasePlan(table, sweep, measured, _tolerance(requested, table))
+    return CasePlan(table, sweep, measured, tolerance)
 
 
 def _tolerance(requested: CaseSettings, table: CaseTable) -> float:
     """Return the largest error of interpolated cases; wrong ones, and tables with names, are refused."""
+    count = table.design.size
     if requested.interpolate is None:
+        raise_problem_if(
+            count > _MAX_COMPUTED,
+            f"{table.source}: to compute {count} cases takes days; interpolate most of them by "
+            "--interpolate '5 %', or give fewer",
+        )
         return 0.0
     tolerance = read_fraction(requested.interpolate)
     raise_problem_if(
