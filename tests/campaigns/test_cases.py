@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pandas
 import pytest
+import xarray
 from click.testing import CliRunner
 from openpyxl import Workbook
 
@@ -126,7 +127,7 @@ def test_circles_have_areas_in_proportion_to_time(found):
     np.testing.assert_allclose(areas, 300.0 * np.array([0.4, 0.6, 1.0]))
 
 
-def test_csv_workbooks_and_frames_are_the_same_cases(tmp_path):
+def test_csv_workbooks_frames_and_data_sets_are_the_same_cases(tmp_path):
     rows = [[5.0, 6000.0, 0.2], [10.0, 3000.0, 0.8]]
     names = ["radial_load [kN]", "operation.inner_speed [rpm]", "share"]
     frame = pandas.DataFrame(rows, columns=names)
@@ -135,7 +136,15 @@ def test_csv_workbooks_and_frames_are_the_same_cases(tmp_path):
         book.active.append(row)
     book.save(tmp_path / "duty.xlsx")
     text = [", ".join(map(str, row)) for row in (names, *rows)]
-    tables = (written(tmp_path, "# two cases", *text), tmp_path / "duty.xlsx", frame)
+    of_units = {"units": "rpm"}
+    labelled = xarray.Dataset(
+        {
+            "operation.inner_speed": ("load", [6000.0, 3000.0], of_units),
+            "share": ("load", [0.2, 0.8]),
+        },
+        {"radial_load": ("load", [5.0, 10.0], {"units": "kN"})},
+    )
+    tables = (written(tmp_path, "# two cases", *text), tmp_path / "duty.xlsx", frame, labelled)
     for made in map(planned, tables):
         assert made.sweep.design.changes(1) == pytest.approx(
             {"operation.radial_load": 1e4, "operation.inner_speed": 100.0 * np.pi}
@@ -225,7 +234,7 @@ def test_a_name_that_is_not_known_is_refused(tmp_path):
 
 def test_what_is_no_table_is_refused():
     with pytest.raises(
-        SceneError, match=r"table: a file .csv or .xlsx or a pandas.DataFrame is expected, not 5"
+        SceneError, match=r"a pandas.DataFrame or an xarray.Dataset is expected, not 5"
     ):
         planned(5)
 

@@ -1,6 +1,7 @@
 """Read tables whose columns are keys of a scene, with all faults of a table in one error.
 
-- A table is CSV, xlsx, a pandas.DataFrame, or the load cases of another program's file (`SceneFormat.load_cases`).
+- A table is CSV, xlsx, a pandas.DataFrame, an xarray.Dataset, or the load cases of another program's file
+  (`SceneFormat.load_cases`).
 - The first row has the key of each column, or its last part where that is unique, with the unit of the values below.
 - Further columns, such as a measured value, are named by the caller, with their units.
 - A cell is a number alone, or a name. Nothing is repaired and nothing is left out.
@@ -144,8 +145,8 @@ def read_table(
 
     Parameters
     ----------
-    given : path or pandas.DataFrame
-        A file .csv or .xlsx, one of another program with load cases, or a frame.
+    given : path or pandas.DataFrame or xarray.Dataset
+        A file .csv or .xlsx, one of another program with load cases, a frame, or a data set.
     known : mapping of str to Quantity
         Quantities of the scene by key.
     further : mapping of str to FurtherColumn
@@ -260,14 +261,23 @@ def _rows_of(given: object) -> tuple[str, list[tuple[str, list[str]]]]:
 
 
 def _rows_of_frame(given: Any) -> tuple[str, list[tuple[str, list[str]]]]:
-    """Return the rows of a pandas.DataFrame."""
+    """Return the rows of a pandas.DataFrame, or of an xarray.Dataset, whose units are those of its variables."""
+    units = dict[Any, str]()
     try:
-        head = [str(name) for name in given.columns]
+        if hasattr(given, "to_dataframe"):
+            units = {
+                name: values.attrs.get("units", "") for name, values in given.variables.items()
+            }
+            given = given.to_dataframe().reset_index()[[*units]]
+        head = [
+            f"{name} [{units[name]}]" if units.get(name) else str(name) for name in given.columns
+        ]
         rows = given.to_numpy().tolist()
     except AttributeError:
         raise SceneError(
             [
-                f"table: a file .csv or .xlsx or a pandas.DataFrame is expected, not {as_written(given)}"
+                "table: a file .csv or .xlsx, a pandas.DataFrame or an xarray.Dataset is expected, not "
+                f"{as_written(given)}"
             ]
         ) from None
     lines = [(f"table: row {k}", [str(cell) for cell in row]) for k, row in enumerate(rows, 1)]

@@ -57,7 +57,7 @@ class CaseSettings(OfPoints):
         value_type=Path,
         argument="[CASES.csv]",
         positional=True,
-        details="A file .csv or .xlsx, one of another program with load cases, or a pandas.DataFrame; by default the "
+        details="A file .csv or .xlsx, one of another program, a pandas.DataFrame or an xarray.Dataset; by default the "
         "one that the scene names.",
     )
     measured: Any = setting(
