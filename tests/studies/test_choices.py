@@ -82,7 +82,8 @@ def test_values_that_rollslip_new_assumed_are_chosen_once_they_are_changed():
 
 def test_a_choice_that_makes_the_cage_skid_makes_the_verdict_unknown_and_comes_first(monkeypatch):
     """The example of a bearing that idles in a wind gearbox; slips of whole runs are beside it."""
-    made = scene()
+    coarse = {"accuracy.slices": 21, "accuracy.tolerance": 0.05, "study.steady-slip.points": 9}
+    made = scene(changes=coarse)
     evaluated = []
     monkeypatch.setattr(
         band, "open_choices", lambda one: evaluated.append(one) or open_choices(one)
@@ -103,7 +104,7 @@ def test_a_choice_that_makes_the_cage_skid_makes_the_verdict_unknown_and_comes_f
         ("cage", "brass", {"cage.make": "brass"}),
         ("supply", "jet", {"lubrication.supply": "jet"}),
     ):
-        planned = rollslip.plan(scene(changes=changes), "steady-slip")
+        planned = rollslip.plan(scene(changes=changes | coarse), "steady-slip")
         # the slip alone, which is that of a run
         variables, _ = planned.studies["steady-slip"].partial_result(
             planned.assemblies["steady-slip"], frozenset({"steady_slip"})
