@@ -27,7 +27,7 @@ from rollslip_studies.motion.torque_balance import (
     torque_balance,
 )
 from rollslip_studies.steady_slip.study import SteadySlip
-from twelve_rollers import FAST, FRICTIONS, LEVELS, SHIPPED, bearing
+from twelve_rollers import FAST, FRICTIONS, LEVELS, SHIPPED, WITH_SKIDDING, bearing
 
 #: All levels with all frictions; those that are long only by name.
 LONG = {("planar", "constant"), ("planar", "conventional"), ("pocket", "constant")}
@@ -386,7 +386,8 @@ PASSED = "cage slip passes that of skidding"
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_a_run_can_end_where_the_cage_runs_away(level):
-    found = started(bearing(brake(60.0)), level, duration=0.2, points=201, stop_at="critical")
+    braked = bearing(brake(60.0), **WITH_SKIDDING)
+    found = started(braked, level, duration=0.2, points=201, stop_at="critical")
     assert found.attrs["outcome"] == "stopped"
     assert found.attrs["outcome_message"].endswith(f"s: {PASSED}")
     assert found.attrs["failed_by"] == ""
@@ -401,7 +402,7 @@ def test_a_run_can_end_where_the_cage_runs_away(level):
 
 
 def test_a_cage_that_runs_away_is_a_result():
-    found = run(bearing(brake(60.0)), duration=0.05)
+    found = run(bearing(brake(60.0), **WITH_SKIDDING), duration=0.05)
     assert list(found.event_what.values) == [PASSED]
     assert float(found.cage_slip[-1]) > found.attrs["skidding_slip"]
     between = found.time.values.searchsorted(float(found.event_time[0]))
@@ -409,8 +410,9 @@ def test_a_cage_that_runs_away_is_a_result():
 
 
 def test_slip_that_falls_below_that_of_running_away_is_an_event_and_no_end():
-    start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["skidding_slip"]
-    found = run(bearing(), duration=0.2, cage_slip=start, roller_slip=start, stop_at="critical")
+    free = bearing(**WITH_SKIDDING)
+    start = 0.02 + run(free, duration=1e-3, points=2).attrs["skidding_slip"]
+    found = run(free, duration=0.2, cage_slip=start, roller_slip=start, stop_at="critical")
     assert list(found.event_what.values) == ["cage slip falls below that of skidding"]
     assert list(found.event_rising.values) == [0]
 

@@ -63,9 +63,10 @@ def nowhere(study, assembly, history, times):
 
 
 def ran(changes=None, **raw):
-    """Run without the slips at which skidding would begin along the way, which take longer than the motion."""
+    """Run without the slips at which skidding would begin, which take longer than the motion."""
+    without = {"study.effective-friction.skidding_range": 0.0}
     with mock.patch.object(over_time, "skidding_along", nowhere):
-        return watched(changes, **raw)
+        return watched(without | (changes or {}), **raw)
 
 
 #: Short runs at the levels that resolve contacts.
