@@ -190,7 +190,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     assert then(exact, off, {"friction": 2.0}) is None
 
 
-@pytest.mark.parametrize("k", [21, 30, 99])
+@pytest.mark.parametrize("k", [21, 99])
 def test_a_miss_of_random_scenes_is_not_silent(k):
     """Where the steps along the slip decide at which of them a roller jumps, and where few instants see few jumps."""
     found = judge(scene(k))
@@ -440,12 +440,20 @@ SEEN = {
 }
 
 
+def without_minimum_load(made):
+    """Return a plan of study steady-slip without the minimum load, which takes as long as all else."""
+    study = made.studies["steady-slip"].with_settings(acceptable_slip=None)
+    return attrs.evolve(made, studies={"steady-slip": study})
+
+
 @pytest.mark.parametrize("number", SEEN)
 def test_numbers_of_an_answer_that_other_slices_move_are_seen(number):
     """With few slices, where the driving torque may be right to a thousandth."""
     slices, n_positions, variables = SEEN[number]
     changes = {"accuracy.tolerance": 1e-2, "study.steady-slip.pockets": "set"}
     made = plan(evolve(loading_branch_scenes.wide(number), changes, si=True), "steady-slip")
+    if "minimum load" not in variables:
+        made = without_minimum_load(made)
     resolution = attrs.evolve(
         made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )
@@ -473,7 +481,7 @@ def test_lightly_loaded_rollers_which_bear_in_their_middle_are_seen_to_be_off(
     scene = evolve(
         loading_branch_scenes.wide(number), {"study.steady-slip.pockets": "set", **changes}, si=True
     )
-    made = plan(scene, "steady-slip")
+    made = without_minimum_load(plan(scene, "steady-slip"))
     resolution = attrs.evolve(
         made.choices["steady-slip"].resolution, slices=slices, n_positions=n_positions
     )
@@ -495,7 +503,7 @@ def test_a_skidding_slip_is_compared_as_it_is_told_and_not_as_the_maximum_of_a_c
         new("NU1012", oil="iso-vg-32", speed="8000 rpm", load="800 N", temperature="80 degC"),
         {"study.steady-slip.pockets": "set", "study.steady-slip.points": 6, **DRY},
     )
-    made = plan(scene, "steady-slip")
+    made = without_minimum_load(plan(scene, "steady-slip"))
     result = execute(made, "steady-slip")
     resolution = json.loads(result.attrs["resolution"])
     assert not any("seen" in part["reason"] for part in json.loads(result.attrs["plan"]))

@@ -20,6 +20,7 @@ from rollslip.results.style import save_figures
 from rollslip.results.text import LOWER_BOUNDS
 from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.bounds import JOINT_ORDER
+from rollslip.studies.study import settings
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
 from rollslip_studies.motion.losses import power_balance
@@ -29,7 +30,15 @@ from rollslip_studies.surface_damage.figures import damage_figures
 from rollslip_studies.surface_damage.study import SurfaceDamage, _worst_between
 from without_bands import run
 
-SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.02, "accuracy.slices": 6})
+SCENE = evolve(
+    load_scene("1032930-70C"),
+    {
+        "accuracy.tolerance": 0.02,
+        "accuracy.slices": 6,
+        "models.approach": "dry",
+        "study.steady-slip.pockets": "set",
+    },
+)
 EVERY = [
     "power-density",
     "pass-energy",
@@ -40,7 +49,9 @@ EVERY = [
 
 
 def measured(models=EVERY, **changes):
-    return run(evolve(SCENE, {"models.damage": models, **changes}, si=True), "surface-damage")
+    """Run the study alone: choosing slices and positions takes longer."""
+    scene = evolve(SCENE, {"models.damage": models, **changes}, si=True)
+    return settings(scene, "surface-damage")["surface-damage"].run(assemble(scene))
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +150,7 @@ def coarse(k, **changes):
 
 
 @pytest.mark.parametrize(
-    "k", [9, 41]
+    "k", [pytest.param(9, marks=pytest.mark.slow), 41]
 )  # a crowned roller, whose middle lies between two of few slices
 def test_slices_are_added_until_the_worst_is_within_the_tolerance(k):
     made = plan(scene := coarse(k), "surface-damage")
@@ -399,7 +410,8 @@ def test_a_bearing_that_runs_away_says_so():
 
 def test_limits_are_told_in_the_answer(tmp_path):
     hot = {"model": "contact-temperature", "allowed": "70 degC"}
-    result = measured(["film-parameter", hot])
+    scene = evolve(SCENE, {"models.damage": ["film-parameter", hot]}, si=True)
+    result = run(scene, "surface-damage")
     account = account_of(result)
     one = answer(result)
     row = one["contact-temperature"]
@@ -411,7 +423,7 @@ def test_limits_are_told_in_the_answer(tmp_path):
     assert one.verdict == "", "the question is not one of slip"
     assert one.summary == f"film parameter {one['film-parameter'].text} at the inner ring"
     assert one.assumed[0] == LOWER_BOUNDS, "the scene's one drag is that of the land"
-    both = answer(run(SCENE, "steady-slip"), result)
+    both = answer(run(scene, "steady-slip"), result)
     assert both["cage_slip"].study == "steady-slip"
     assert both["contact-temperature"] == row
     assert both.faults == ()

@@ -19,6 +19,7 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.reading import from_raw
 from rollslip.scene.supply import DENSITY
+from rollslip.structure import scene_hash
 from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
 from rollslip_studies.motion.losses import Loss, PowerBalance
@@ -34,6 +35,8 @@ SCENE = evolve(
     {
         "accuracy.tolerance": 0.02,
         "accuracy.slices": 4,
+        "models.approach": "dry",
+        "models.traction": "muraki",
         "study.thermal-balance.points": 8,
         "study.thermal-balance.highest_temperature": "150 degC",
     },
@@ -47,9 +50,16 @@ def network(**parameters):
     return {"model": "network", **parameters}
 
 
+RESULTS = {}
+
+
 def settled(scene):
-    """Run the study alone: a plan would refine its results many times for what no test here looks at."""
-    return settings(scene, "thermal-balance")["thermal-balance"].run(assemble(scene))
+    """Run the study alone, once for a scene: a plan would refine its results many times; tests must not change it."""
+    key = scene_hash(scene)
+    if key not in RESULTS:
+        study = settings(scene, "thermal-balance")["thermal-balance"]
+        RESULTS[key] = study.run(assemble(scene))
+    return RESULTS[key]
 
 
 @pytest.fixture(scope="module")
