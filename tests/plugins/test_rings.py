@@ -35,6 +35,8 @@ from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.effective_friction.figures import figures
 from rollslip_studies.effective_friction.raceways import LoadedRaceways
 from rollslip_studies.effective_friction.ring_figures import ring_figure
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.steady_slip.study import SteadySlip
 from without_bands import run
 
 #: Outer ring of the 1032930: d, D, B, F, E = 150, 210, 28, 165, 195 mm.
@@ -593,8 +595,9 @@ def test_half_a_pitch_tells_of_the_other_only_where_forms_mirror_themselves():
 def test_friction_counts_all_rollers_of_forms_that_do_not_mirror_themselves():
     def slip(angle):
         form = [{"lobes": 2, "amplitude": "20 um", "angle": angle}]
-        result = run(scene(**{"bearing.outer_raceway.form": form}), "effective-friction")
-        return float(result.skidding_slip), float(result.limit_drag)
+        made = assemble(scene(**{"bearing.outer_raceway.form": form}))
+        found = EffectiveFriction().skidding_onset(EffectiveFriction().torque_balance(made, 8))
+        return found.slip, found.drag
 
     straight = slip(0.0)
     turned = slip(1e-7)
@@ -771,16 +774,17 @@ def test_a_mirrored_form_under_a_mirrored_rotation_gives_the_same_slip(study):
         made = scene(**{
             "bearing.outer_raceway.form": [{"lobes": 3, "amplitude": "8 um", "angle": angle}],
             "bearing.radial_clearance": "5 um", "operation.inner_speed": speed, "accuracy.tolerance": 0.05,
-            "models.approach": "dry", "study.dynamics": {
+            "models.approach": "dry", "study.effective-friction.skidding_range": 0.0, "study.dynamics": {
                 "level": "planar" if study == "planar" else "cage-set", "duration": "4 ms", "points": 5,
                 "friction": "conventional", "integrator": "rk45", "relative_tolerance": 1e-5,
                 "planar": {"inner_ring_mass": "5 kg"},
-            }, "study.steady-slip": {"pockets": "set"},
+            },
         })  # fmt: skip
-        result = run(made, "steady-slip" if study == "steady-slip" else "dynamics")
-        return float(
-            result.steady_slip[0] if study == "steady-slip" else abs(result.roller_slip[-1]).mean()
-        )
+        if study == "steady-slip":
+            _, (motion, *_), _ = SteadySlip().steady(assemble(made))
+            return motion.slip
+        result = Dynamics.from_scene(made).run(assemble(made))
+        return float(abs(result.roller_slip[-1]).mean())
 
     ahead = slip("6371 rpm", "20 deg")
     back = slip("-6371 rpm", "-20 deg")
@@ -986,7 +990,7 @@ def test_plane_motion_tells_how_its_rings_yield():
     given = scene(**{"study.dynamics": dynamics, "models.outer_ring": ring})
     study = next(part for part in plan(given, "dynamics").parts if part.part == "motion")
     assert "156 unknowns" in study.resolution  # 150 and two of each shape
-    result = run(given, "dynamics")
+    result = Dynamics.from_scene(given).run(assemble(given))
     assert list(result["shape"].values) == [
         "outer_ring_cos_0",
         "outer_ring_cos_2",
@@ -995,7 +999,8 @@ def test_plane_motion_tells_how_its_rings_yield():
     assert result.ring_deflection.dims == ("shape", "time")
     found = loads(1, **{"models.outer_ring": ring}).deflection[0]
     assert result.ring_deflection[:, 0].values == pytest.approx(found, rel=0.1, abs=0.1e-6)
-    assert "shape" not in run(scene(**{"study.dynamics": dynamics}), "dynamics").coords
+    rigid = scene(**{"study.dynamics": dynamics})
+    assert "shape" not in Dynamics.from_scene(rigid).run(assemble(rigid)).coords
 
 
 #: An oval: crests 12 um above the troughs, less than a play of 20 um; with a form of four lobes it is more.
