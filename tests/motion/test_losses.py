@@ -213,6 +213,8 @@ def test_where_the_cage_runs_away_no_loss_is_told():
         "accuracy.slices": 3,
         "accuracy.tolerance": 0.05,
         "study.steady-slip.points": 6,
+        "study.steady-slip.pockets": "set",
+        "models.approach": "dry",
     }
     result = run(evolve(SHIPPED, beyond, si=True), "steady-slip")
     assert np.isnan(result.loss).all()

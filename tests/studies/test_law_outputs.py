@@ -22,6 +22,8 @@ QUICK = {
     "study.effective-friction.skidding_range": 0,
     "study.friction-curve.normal_force": ["200 N", "300 N"],
     "study.friction-curve.points": 7,
+    "study.steady-slip.points": 9,
+    "study.steady-slip.pockets": "set",
     "accuracy.slices": 5,
 }
 

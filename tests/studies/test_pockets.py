@@ -187,8 +187,8 @@ def test_under_axial_load_the_torque_at_a_slip_does_not_depend_on_those_before_i
 def by_runge_kutta(pockets, slips, steps_by_turn=(300, 300, 2500)):
     """Return mean torques of a roller along its orbit [N m], (n,), n the rollers, by the classic method of order 4.
 
-    The torque is the mean of H itself over the last turn; the first ones need fewer steps. A bar stops a roller at the end of the step in which it meets
-    it.
+    The torque is the mean of H itself over the last turn; the first ones need fewer steps. A bar stops a roller at the
+    end of the step in which it meets it.
     """
     assembly = pockets.assembly
     k = assembly.kinematics
@@ -707,7 +707,6 @@ def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
 
 def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach(monkeypatch):
     """Nine slices and a tolerance that no table reaches, against a fine table of all slices: 0.16 % together."""
-
 
     class Recorded(Pockets):
         def __init__(self, *values, **settings):

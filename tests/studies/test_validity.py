@@ -58,6 +58,9 @@ PAPER = load_scene("1032930-70C")
 QUICK = {
     "study.effective-friction.points": 9,
     "study.effective-friction.map_points": 0,
+    "study.effective-friction.skidding_range": 0.0,
+    "study.steady-slip.points": 9,
+    "study.steady-slip.pockets": "set",
     "accuracy.slices": 5,
 }
 
