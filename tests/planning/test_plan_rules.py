@@ -58,7 +58,7 @@ def cheap(x):
 
 
 @pytest.mark.parametrize(
-    "k", [*range(3), *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 12))]
+    "k", [*range(2), *(pytest.param(k, marks=pytest.mark.slow) for k in range(2, 12))]
 )
 def test_a_plan_keeps_the_error_that_a_scene_states(k):
     x = [x for x in points(128) if cheap(x)][k]
@@ -273,23 +273,16 @@ def test_a_result_says_what_was_estimated_and_found():
     assert set(json.loads(result.attrs["cost"])) == {"estimated", "actual"}
 
 
-def test_a_broken_word_is_told():
-    made = plan(BASE, STUDY)
-    coarse = made.at(STUDY, Resolution(slices=5, n_positions=1))
-    result = verify(coarse, STUDY, execute(coarse, STUDY, fixed_resolution=True))
-    (said, *_) = json.loads(result.attrs["warnings"])
-    assert "more than the tolerance of 0.001; run with a smaller accuracy." in said
-
-
-def test_a_critical_slip_that_only_one_of_both_results_has_is_a_broken_word():
-    """Its error is no number, so that it would be left out among those that are."""
-    made = plan(BASE, STUDY)
-    result = execute(made, STUDY)
+def test_a_broken_word_is_told_and_so_is_a_critical_slip_that_only_one_of_both_results_has():
+    """The error of that slip is no number, so that it would be left out among those that are."""
+    coarse = plan(BASE, STUDY).at(STUDY, Resolution(slices=5, n_positions=1))
+    result = execute(coarse, STUDY, fixed_resolution=True)
     result["critical_cage_slip"][:] = np.nan
-    (said, *_) = json.loads(verify(made, STUDY, result).attrs["warnings"])
-    assert said.startswith(
-        "critical slip has a value either here or in the finer result, but not in both"
-    )
+    texts = json.loads(verify(coarse, STUDY, result).attrs["warnings"])
+    broken = "more than the tolerance of 0.001; run with a smaller accuracy."
+    assert any(text.startswith("friction is off by") and broken in text for text in texts)
+    one = "critical slip has a value either here or in the finer result, but not in both"
+    assert any(text.startswith(one) for text in texts)
 
 
 @pytest.mark.quick

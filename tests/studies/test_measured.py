@@ -19,6 +19,7 @@ from rollslip.planning.execution import read_measured
 from rollslip.results.accounts import answer, describe_measured, measured_rows
 from rollslip.results.text import two_digits
 from rollslip.studies.measured import compare_points
+from rollslip_studies.steady_slip.study import SteadySlip
 from scattered import SCATTERED
 
 HEAD = "radial_load [kN], cage_slip [%], cage_slip_uncertainty [%]"
@@ -260,6 +261,7 @@ def test_an_interrupted_comparison_keeps_the_results(tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(execution, "with_measured", interrupt)
+    monkeypatch.setattr(SteadySlip, "with_bands", lambda study, scene, dataset: dataset)
     arguments = ["--study", "steady-slip", *SET_COARSE, "--no-plots", "--out", "out"]
     done = CliRunner().invoke(cli, ["run", "1032930-70C", *arguments, "--measured", "slip.csv"])
     assert done.exit_code == 0, done.output

@@ -10,7 +10,8 @@ PUBLISHED = get_model("measurement", "published-slip")
 def steady(changes, **settings):
     """Return the result of study steady-slip on the scene of the statements."""
     scene = evolve(PUBLISHED.statements[0].scene, changes, si=True)
-    return SteadySlip(points=13, **settings).run(assemble(scene))
+    study = SteadySlip(**{"points": 13, "acceptable_slip": None} | settings)
+    return study.run(assemble(scene))
 
 
 def slip(changes):
