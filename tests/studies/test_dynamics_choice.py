@@ -34,11 +34,16 @@ NAMED = {"friction": "effective", "level": "cage-set", "integrator": "rodas5p"}
 SLICES = Resolution(slices=25, table_tolerance=1e-3)
 
 
+MADE = {}
+
+
 def bearing(**changes):
-    return assemble(
-        evolve(SHIPPED, {key.replace("__", "."): value for key, value in changes.items()}, si=True),
-        SLICES,
-    )
+    """Return the shipped bearing with changes; it is made once, and so are its tables of friction."""
+    named = {key.replace("__", "."): value for key, value in changes.items()}
+    key = repr(named)
+    if key not in MADE:
+        MADE[key] = assemble(evolve(SHIPPED, named, si=True), SLICES)
+    return MADE[key]
 
 
 def open_scene(*names, **changes):
