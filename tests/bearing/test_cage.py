@@ -223,7 +223,11 @@ def test_a_cage_that_cannot_be_the_bearings_is_questioned(table, sentence):
 
 
 def test_the_plan_says_what_of_the_cage_is_estimated():
-    scene = parse_scene(NAMED + "[study.steady-slip]\n[accuracy]\nslices = 5\n", "mine.toml")
+    scene = parse_scene(
+        NAMED + '[study.steady-slip]\npockets = "set"\n[accuracy]\ntolerance = 0.05\nslices = 3\n'
+        '[models]\napproach = "dry"\ntraction = "muraki"\n',
+        "mine.toml",
+    )
     (part,) = (part for part in plan(scene).parts if part.part == "cage")
     assert part.choice == "brass, 457 g, guided by the outer ring"
     assert part.reason.startswith(
@@ -561,7 +565,8 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
 
 def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
     scene = parse_scene(
-        NAMED + '[study.steady-slip]\npockets = "set"\n[accuracy]\ntolerance = 1e-2\nslices = 3\n'
+        NAMED
+        + '[study.steady-slip]\npockets = "set"\npoints = 9\n[accuracy]\ntolerance = 1e-2\nslices = 3\n'
         '[models]\napproach = "dry"\ntraction = "muraki"\n',
         "mine.toml",
     )

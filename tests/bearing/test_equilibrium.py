@@ -480,7 +480,7 @@ def test_passes_do_not_grow_with_the_bearing(Z, n_positions):
 @pytest.mark.parametrize(
     ("Z", "slices", "n_positions", "misalignment"),
     [
-        (28, 101, 32, 0.0),
+        pytest.param(28, 101, 32, 0.0, marks=pytest.mark.slow),
         (28, 101, 32, 3e-4),
         pytest.param(500, 41, 16, 3e-4, marks=pytest.mark.slow),
         pytest.param(500, 21, 256, 3e-4, marks=pytest.mark.slow),
