@@ -17,7 +17,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.datasets import Bearing
+from rollslip.geometry.bearing import Bearing
 from rollslip.references import CitedModel
 from rollslip.search import Array
 

@@ -13,7 +13,6 @@ from typing import Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.datasets import Bearing, Mounting
 from rollslip.fields import (
     FieldError,
     at_least,
@@ -25,6 +24,7 @@ from rollslip.fields import (
     refuse_if,
 )
 from rollslip.files import named_text
+from rollslip.geometry.bearing import Bearing, Mounting
 from rollslip.references import Reference
 from rollslip.rings import RingModel, RingShapes, Stops
 from rollslip.search import Array

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rollslip.axial import ContactAngles, raceway_diameters
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.kinematics import Kinematics
+from rollslip.geometry.axial import ContactAngles, raceway_diameters
 from rollslip.models.profile import profile_drop, slice_positions
 from rollslip_kernels.slices import Conditions
 from rollslip_plugins.contact import Palmgren

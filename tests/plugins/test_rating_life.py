@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from rollslip.catalogue.registry import get_model
-from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import DomainError
+from rollslip.geometry.bearing import Bearing, Catalogue
 from rollslip.studies.rating_life.model import (
     LifeDuty,
     RatedLife,

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from rollslip import Chain, Conditions, evolve, get_model, load_distribution, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
-from rollslip.datasets import Material, Mounting, Raceway
 from rollslip.errors import SceneError
+from rollslip.geometry.bearing import Material, Mounting, Raceway
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops, _lattice
 from rollslip.scene.clearance import transmitted_fraction

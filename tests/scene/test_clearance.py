@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from rollslip import evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
-from rollslip.datasets import Bearing, Catalogue, Material, Mounting, Raceway
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
+from rollslip.geometry.bearing import Bearing, Catalogue, Material, Mounting, Raceway
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.clearance import (
     centrifugal_growth,

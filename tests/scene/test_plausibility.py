@@ -13,9 +13,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import Cage
 from rollslip.catalogue.discovery import add, get_class
 from rollslip.catalogue.registry import available, find
-from rollslip.datasets import Catalogue
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, Span, parameter
+from rollslip.geometry.bearing import Catalogue
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
 from rollslip.lubricant.temperature import Constant, Product
 from rollslip.planning.plausibility import implausible, implausible_in_sweep

@@ -5,8 +5,8 @@ import math
 import pytest
 
 import rollslip
-from rollslip.axial import ContactAngles, raceway_diameters
 from rollslip.errors import SceneError
+from rollslip.geometry.axial import ContactAngles, raceway_diameters
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import resolved

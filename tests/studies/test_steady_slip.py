@@ -21,9 +21,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
-from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.fields import FieldError
+from rollslip.geometry.bearing import Bearing, Catalogue
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.results.accounts import account_of
 from rollslip.results.answer import SKIDDING_SLIP

@@ -16,7 +16,6 @@ from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
-from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import (
     choice_of,
@@ -26,6 +25,7 @@ from rollslip.fields import (
     refuse_if,
     submodels,
 )
+from rollslip.geometry.bearing import Bearing
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene

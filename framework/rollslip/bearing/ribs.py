@@ -12,9 +12,9 @@ from typing import Final
 import attrs
 import numpy as np
 
-from rollslip.axial import RIB_HEIGHT
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.datasets import Bearing
+from rollslip.geometry.axial import RIB_HEIGHT
+from rollslip.geometry.bearing import Bearing
 from rollslip.search import Array
 
 __all__ = ["RibPair", "tapered_rib"]

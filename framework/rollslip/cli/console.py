@@ -31,7 +31,7 @@ from rollslip.units import expect_results, format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.datasets import MountedClearance
+    from rollslip.geometry.bearing import MountedClearance
     from rollslip.planning.plan import Plan
     from rollslip.studies.answers import Part
 

@@ -13,9 +13,17 @@ from attrs import NOTHING, Attribute, Factory, frozen
 from attrs import field as attrib
 from attrs.validators import optional
 
-from rollslip.datasets import Scatter
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, Span, choice_of, field, non_negative, positive, refuse_if
+from rollslip.fields import (
+    FieldError,
+    Scatter,
+    Span,
+    choice_of,
+    field,
+    non_negative,
+    positive,
+    refuse_if,
+)
 from rollslip.lubricant.base_oil import BASE_OILS
 from rollslip.lubricant.pressure import ALPHAS, PressureViscosity, default_law
 from rollslip.lubricant.temperature import TemperatureLaw

@@ -26,9 +26,9 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.datasets import Bearing, Material, MountedClearance, Mounting, Scatter
 from rollslip.errors import PluginError
-from rollslip.fields import FieldError, refuse_if
+from rollslip.fields import FieldError, Scatter, refuse_if
+from rollslip.geometry.bearing import Bearing, Material, MountedClearance, Mounting
 from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 

@@ -10,9 +10,9 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.axial import ContactAngles, raceway_diameters
 from rollslip.datasets import SURFACES
 from rollslip.errors import PluginError, UnknownNameError
+from rollslip.geometry.axial import ContactAngles, raceway_diameters
 from rollslip.scene.clearance import FOLLOWS, bearing_in_class, set_initial_clearance
 from rollslip.scene.values import LISTS_OF_MODELS, Models, model_kind
 from rollslip.structure import Location, bare_key, fields_of, resolved

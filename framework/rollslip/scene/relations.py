@@ -14,8 +14,8 @@ from typing import Any, Final, TypeAlias
 
 import attrs
 
-from rollslip.axial import raceway_diameters
 from rollslip.fields import FieldError, Span, as_given, format_span
+from rollslip.geometry.axial import raceway_diameters
 from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location
 from rollslip.toml import as_table

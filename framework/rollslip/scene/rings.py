@@ -16,9 +16,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.datasets import Bearing, FormPart
 from rollslip.fields import FieldError, field
 from rollslip.files import named_text, read_columns
+from rollslip.geometry.bearing import Bearing, FormPart
 from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.search import Array
 from rollslip.structure import Location

@@ -15,7 +15,6 @@ from typing import Any, ClassVar, Final, Self
 
 import attrs
 
-from rollslip.datasets import Bearing, Surface
 from rollslip.fields import (
     FieldError,
     Scatter,
@@ -27,6 +26,7 @@ from rollslip.fields import (
     positive,
     refuse_if,
 )
+from rollslip.geometry.bearing import Bearing, Surface
 from rollslip.scene.supply import Lubrication
 from rollslip.structure import FrozenTable, resolved
 from rollslip.units import format_quantity

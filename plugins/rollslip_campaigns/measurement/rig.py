@@ -16,7 +16,6 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, positive
 from rollslip.files import (
@@ -27,6 +26,7 @@ from rollslip.files import (
     readable,
     text_named,
 )
+from rollslip.geometry.bearing import Material
 from rollslip.scene.values import LubricantTable, Models
 from rollslip.search import Array
 from rollslip.structure import Location, raise_problem_if, structure

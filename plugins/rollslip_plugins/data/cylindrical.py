@@ -9,7 +9,7 @@
   ``docs/scripts/bearing_catalogue.py`` holds them against these, and ``docs/tables/bearing_catalogue.csv`` has the
   errors. The diameter is rounded to one of GOST 22696, above 50 mm to one of the steps that would follow.
 - Types NU, NJ, NUP and N of a series differ in their ribs alone, and have the same rollers here. NJ and NUP have ribs
-  on opposite sides of both rings; their contacts with rollers are estimated (D): `rollslip.axial.RIB_HEIGHT`.
+  on opposite sides of both rings; their contacts with rollers are estimated (D): `rollslip.geometry.axial.RIB_HEIGHT`.
 - A name without a letter behind the number means the reinforced type E where there is one: that is what makers have
   listed for decades. The old type has names that end in ``-old``. In series 10 makers list both today, and a name means
   what it says: NU1010 has rollers as long as thick, NU1010E longer ones on the same raceways.
@@ -20,18 +20,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Final, NamedTuple
 
-from rollslip.axial import RIB_ANGLE, RIB_HEIGHT
-from rollslip.datasets import (
-    Bearing,
-    BearingData,
-    Catalogue,
-    Family,
-    Mounting,
-    OwnCage,
-    Profile,
-    Ribs,
-    Scatter,
-)
+from rollslip.datasets import BearingData, Family, OwnCage, Scatter
+from rollslip.geometry.axial import RIB_ANGLE, RIB_HEIGHT, Ribs
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting, Profile
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data import PROFILE_DEPTH, RIB_SCATTER
 from rollslip_plugins.data.designations import other_bearing, read_designation

@@ -16,16 +16,8 @@ import re
 from functools import cached_property
 from typing import Final
 
-from rollslip.datasets import (
-    Bearing,
-    BearingData,
-    Catalogue,
-    Family,
-    Mounting,
-    OwnCage,
-    Profile,
-    Scatter,
-)
+from rollslip.datasets import BearingData, Family, OwnCage, Scatter
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting, Profile
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.cylindrical import RULES, boundaries, clearance, nearest_roller

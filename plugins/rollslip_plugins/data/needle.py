@@ -17,17 +17,8 @@ import re
 from functools import cached_property
 from typing import Final, NamedTuple
 
-from rollslip.datasets import (
-    Bearing,
-    BearingData,
-    Catalogue,
-    Family,
-    Mounting,
-    OwnCage,
-    Profile,
-    Raceway,
-    Scatter,
-)
+from rollslip.datasets import BearingData, Family, OwnCage, Scatter
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting, Profile, Raceway
 from rollslip_plugins.bibliography import ISO_76, ISO_286, ISO_3096, ISO_3245, ISO_5753
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.cylindrical import clearance

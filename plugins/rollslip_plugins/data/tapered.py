@@ -18,16 +18,9 @@ import re
 from functools import cached_property
 from typing import Final, NamedTuple
 
-from rollslip.axial import ContactAngles, raceway_diameters
-from rollslip.datasets import (
-    Bearing,
-    BearingData,
-    Catalogue,
-    Family,
-    OwnCage,
-    Profile,
-    Scatter,
-)
+from rollslip.datasets import BearingData, Family, OwnCage, Scatter
+from rollslip.geometry.axial import ContactAngles, raceway_diameters
+from rollslip.geometry.bearing import Bearing, Catalogue, Profile
 from rollslip_plugins.bibliography import ISO_76, ISO_355
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.designations import packed

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 import attrs
 
 from rollslip.bearing.cage import Cage
-from rollslip.datasets import Bearing
 from rollslip.fields import Ranges, choice_of, non_negative, parameter, positive, within_possible
+from rollslip.geometry.bearing import Bearing
 from rollslip.lubricant.table import OilTable
 from rollslip.models import DragModel, PocketFriction, from_scene
 from rollslip.references import Reference

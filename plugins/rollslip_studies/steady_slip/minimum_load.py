@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
-from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.geometry.bearing import Bearing, Catalogue
 from rollslip.results.text import SWITCHED_OFF, Status
 from rollslip.scene.relations import skf_minimum_load
 from rollslip.scene.values import Scene

@@ -14,8 +14,8 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.catalogue.discovery import load, named_data
-from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
+from rollslip.fields import Scatter
 from rollslip.scene.changes import Quantity, stated_values
 from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene

@@ -20,8 +20,8 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
-from rollslip.datasets import Bearing
 from rollslip.errors import DomainError
+from rollslip.geometry.bearing import Bearing
 from rollslip.references import CitedModel
 from rollslip.scene.values import Scene
 from rollslip.search import Array

@@ -17,8 +17,8 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
-from rollslip.datasets import Catalogue
 from rollslip.errors import DomainError
+from rollslip.geometry.bearing import Catalogue
 from rollslip.references import CitedModel
 from rollslip.results.dataset import about
 from rollslip.results.text import Status

@@ -19,10 +19,10 @@ import attrs
 import xarray as xr
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import get_class
-from rollslip.datasets import Bearing
 from rollslip.errors import PluginError, SceneError
 from rollslip.files import faults_of
 from rollslip.hookspecs import hookimpl
+from rollslip.scene import Bearing
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip.scene.interchange import FORMAT, VERSION, from_parameters
 
