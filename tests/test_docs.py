@@ -32,7 +32,7 @@ from rollslip.catalogue.registry import available
 from rollslip.cli.main import main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
-from rollslip.studies.error_estimate import DiscretisedStudy
+from rollslip.studies.discretisation.choice import DiscretisedStudy
 from rollslip.studies.study import Study, study_class
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from tabled import TABLES, cell, rows_of

@@ -27,7 +27,7 @@ from rollslip.studies.bounds import (
     LightContacts,
     sample_errors,
 )
-from rollslip.studies.error_estimate import Probe, coarse_assembly
+from rollslip.studies.discretisation.choice import Probe, coarse_assembly
 from rollslip_studies.effective_friction.study import EffectiveFriction
 
 BASE = evolve(

@@ -22,7 +22,7 @@ from rollslip.planning.new_scene import new
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import error_warnings, verify
 from rollslip.studies.bounds import ErrorEstimate, errors_between
-from rollslip.studies.error_estimate import refine_resolution
+from rollslip.studies.discretisation.error_estimate import refine_resolution
 from rollslip_studies.effective_friction.study import FILM_AT_JUMPS
 from tabled import REFERENCES, TABLES, rows_of
 
@@ -179,7 +179,7 @@ def test_a_run_is_made_again_only_where_that_helps(monkeypatch):
     orbit = JUMPS.bearing.rollers * 40  # of one slice, since the load is uniform along a roller
     for most, made in ((orbit, True), (orbit - 1, False)):
         with monkeypatch.context() as patched:
-            patched.setattr("rollslip.studies.error_estimate._MAX_SLICES", most)
+            patched.setattr("rollslip.studies.discretisation.error_estimate._MAX_SLICES", most)
             assert (then(epicyclic, off, {"friction": 1.0}) is not None) == made
     hidden = then(
         epicyclic, {"friction": 1e-4}, {}, {"friction": 2e-3}

@@ -26,7 +26,7 @@ from rollslip.studies.bounds import (
     richardson_factor,
     with_observed_slice_order,
 )
-from rollslip.studies.error_estimate import _ReferenceComparison, refine_resolution
+from rollslip.studies.discretisation.error_estimate import _ReferenceComparison, refine_resolution
 from rollslip.studies.study import settings
 
 pytestmark = pytest.mark.quick

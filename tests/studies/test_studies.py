@@ -14,7 +14,7 @@ from rollslip.bearing.resolution import reference_resolution
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves, curve_labels
 from rollslip.scene.values import Accuracy
-from rollslip.studies.error_estimate import COARSE_SLICES, choose_by_doubling
+from rollslip.studies.discretisation.choice import COARSE_SLICES, choose_by_doubling
 from rollslip.studies.study import AXES, Study, settings, study_class
 from rollslip_studies.steady_slip.outputs import AXIAL_OUTPUTS
 from rollslip_studies.surface_damage.over_motion import OVER_MOTION

@@ -35,7 +35,7 @@ from rollslip.structure import scene_hash
 from rollslip.studies import validity
 from rollslip.studies.answers import RunContext, Store
 from rollslip.studies.bounds import ErrorEstimate
-from rollslip.studies.error_estimate import estimate_error, refine_resolution
+from rollslip.studies.discretisation.error_estimate import estimate_error, refine_resolution
 from rollslip.studies.law_outputs import law_outputs
 from rollslip.studies.study import settings
 
@@ -176,7 +176,8 @@ def compute(
     """Return the result of one study of a plan, without what only its answer needs.
 
     A run is made again on more slices and roller positions where its error is estimated to exceed the tolerance, if
-    that helps and is soon done (`rollslip.studies.error_estimate.refine_resolution`); the plan in the result says so.
+    that helps and is soon done (`rollslip.studies.discretisation.error_estimate.refine_resolution`). The plan in the
+    result says so.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """The plan of a run: what is modelled, by which model, at which resolution, what is left out, and why.
 
 A plan is made before anything runs, and executed as printed: a run takes the studies and their bearings, at the
-resolution that was chosen for them (`rollslip.studies.error_estimate`), from the plan.
+resolution that was chosen for them (`rollslip.studies.discretisation.choice`), from the plan.
 
 The cost is estimated before the run. Time is the larger one of the estimate and of a lower bound by the number of
 evaluations. Estimates from small parts may be off by a factor of two or three, so that nothing is refused for its time.

@@ -38,7 +38,7 @@ from rollslip.studies.answers import (
     ResolutionChoice,
     RunContext,
 )
-from rollslip.studies.error_estimate import (
+from rollslip.studies.discretisation.choice import (
     COARSE_SLICES,
     DiscretisedStudy,
     choose_by_curves,

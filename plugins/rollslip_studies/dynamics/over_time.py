@@ -24,7 +24,7 @@ from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status
 from rollslip.studies.answers import Part, ResolutionChoice
-from rollslip.studies.error_estimate import choose_slices_and_positions
+from rollslip.studies.discretisation.choice import choose_slices_and_positions
 from rollslip_studies.dynamics import history_findings
 from rollslip_studies.dynamics.history.interpolated_rates import describe_range, with_operation
 from rollslip_studies.dynamics.history.settings import TEMPERATURES, History

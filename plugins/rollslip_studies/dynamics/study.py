@@ -41,7 +41,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, resolved
 from rollslip.studies.answers import LoadedSlices, Output, Part, ResolutionChoice, RunContext
-from rollslip.studies.error_estimate import reference_choice, with_table_tolerance
+from rollslip.studies.discretisation.choice import reference_choice, with_table_tolerance
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip_studies.dynamics import heating, over_time

@@ -47,7 +47,7 @@ from rollslip.studies.answers import (
     RunContext,
 )
 from rollslip.studies.bounds import SLICE_FACTOR, richardson_factor
-from rollslip.studies.error_estimate import COARSE_POSITIONS, choose_by_curves
+from rollslip.studies.discretisation.choice import COARSE_POSITIONS, choose_by_curves
 from rollslip.studies.rating_life.largest_load import largest_load
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.effective_friction.raceways import largest_relative_change

@@ -22,7 +22,7 @@ from rollslip.results.dataset import about, xr
 from rollslip.results.text import SMALLEST_SLIP, Status
 from rollslip.scene.changes import evolve
 from rollslip.studies.answers import ComparedValues, Output, ResolutionChoice, RunContext
-from rollslip.studies.error_estimate import COARSE_POSITIONS, COARSE_SLICES, coarse_assembly
+from rollslip.studies.discretisation.choice import COARSE_POSITIONS, COARSE_SLICES, coarse_assembly
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, from_bearing, thermal_model
 from rollslip_studies.steady_slip.evaluated import choose_by_torques

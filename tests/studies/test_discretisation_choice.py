@@ -9,9 +9,9 @@ import pytest
 from rollslip import load_scene, new, plan
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.resolution import Resolution
-from rollslip.studies.error_estimate import (
+from rollslip.studies.discretisation.choice import (
     _DISCRETISATION_FRACTION,
-    _SIMPLIFICATIONS,
+    SIMPLIFICATIONS,
     DiscretisedStudy,
     Probe,
     choose_slices_and_positions,
@@ -97,7 +97,7 @@ def test_curves_are_compared_in_each_quarter_of_the_grid_by_four_slips():
 
 def test_parts_of_an_error_may_take_the_whole_tolerance_together_and_no_more():
     """Slices with positions, heat of the inlet, light contacts, and a closed form in place of a law."""
-    fractions = [fraction for _, fraction in _SIMPLIFICATIONS.values()]
+    fractions = [fraction for _, fraction in SIMPLIFICATIONS.values()]
     assert _DISCRETISATION_FRACTION + sum(fractions) == pytest.approx(1.0)
 
 
