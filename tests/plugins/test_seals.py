@@ -20,7 +20,8 @@ from rollslip_studies.dynamics import heating
 from rollslip_studies.dynamics.study import Dynamics
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.torque_balance import TorqueBalance
-from rollslip_studies.steady_slip.findings import SteadySlipAccount, _ratio_to_formulas
+from rollslip_studies.steady_slip.findings import SteadySlipAccount
+from rollslip_studies.steady_slip.friction_torque.findings import _ratio_to_formulas
 
 DUTY = Duty(
     bore=0.06, outside_diameter=0.13, pitch_diameter=0.0965, radial_load=5e3, speed=400.0, viscosity=0.02,

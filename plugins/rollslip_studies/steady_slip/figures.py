@@ -1,4 +1,4 @@
-"""Figures of study steady-slip: torques over cage slip, the orbit of a roller, losses, and slips through folds.
+"""Figures of study steady-slip: torques over cage slip, the orbit of a roller, and slips through folds.
 
 Style, sizes and files are those of `rollslip.results.style`. Unstable slips are dashed, so that figures are readable in
 grey.
@@ -29,7 +29,6 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     Sheet,
     axis_label,
-    light_to_dark,
     plain_decades,
     unit_label,
 )
@@ -42,6 +41,7 @@ from rollslip_studies.motion.pockets import relative_play
 from rollslip_studies.motion.torque_balance import torque_balance
 from rollslip_studies.steady_slip.evaluated import without_play
 from rollslip_studies.steady_slip.findings import has_steady, varied
+from rollslip_studies.steady_slip.friction_torque.figures import losses_figure
 from rollslip_studies.steady_slip.minimum_load import RULES, minimum_loads_of_makers
 
 __all__ = ["catalogue_loads", "mark_loads", "steady_figures"]
@@ -135,7 +135,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
             yield (
                 "steady-slip-losses",
                 "Power lost to friction at the steady cage slips, by source.",
-                _losses(dataset),
+                losses_figure(dataset),
             )
     for name in varied(dataset):
         if name in dataset:
@@ -418,47 +418,6 @@ def _mark_minimum_load(sheet: Sheet, dataset: "xr.Dataset", unit: str) -> None:
             sheet.axes.axvspan(low, high, color="0.5", alpha=0.2, linewidth=0.0, zorder=0)
         mark_loads(sheet, {f"minimum load{band}": row.value}, unit, color="black")
     mark_loads(sheet, catalogue_loads(dataset), unit)
-
-
-def _losses(dataset: "xr.Dataset") -> "Figure":
-    """Draw the losses at each steady slip as stacked bars, by source."""
-    sheet = Sheet(TWO_COLUMNS)
-    axes = sheet.axes
-    power = dataset["loss"].to_numpy()
-    sources = list(map(str, dataset["source"].to_numpy()))
-    rows = np.arange(power.shape[1])
-    left = np.zeros(power.shape[1])
-    tints = light_to_dark()(np.linspace(1.0, 0.0, len(sources)))
-    for source, tint, lost in zip(sources, tints, power, strict=True):
-        bars = axes.barh(
-            rows,
-            lost,
-            left=left,
-            height=0.6,
-            color=tint,
-            edgecolor="white",
-            linewidth=0.4,
-            label=f"{source}, {', '.join(f'{value:.3g}' for value in lost)} W",
-        )
-        sheet.handles.append(bars[0])
-        bars[0].set_label(bars.get_label())
-        left = left + lost
-    axes.set_yticks(
-        rows,
-        [
-            f"{100 * slip:.3g} %, {'stable' if stable else 'unstable'}"
-            for slip, stable in zip(
-                dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy(), strict=True
-            )
-        ],
-    )
-    axes.invert_yaxis()
-    return sheet.done(
-        axis_label(dataset["loss"], "$P$", "W"),
-        axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%"),
-        columns=2,
-        height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1],
-    )
 
 
 def _set_turn(axes: Axes) -> None:
