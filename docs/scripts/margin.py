@@ -22,7 +22,7 @@ from rollslip.results.accounts import account_of
 from rollslip.results.figures import save_plots
 from rollslip_campaigns.sweep.figures import describe_models
 from rollslip_campaigns.uncertainty import UncertaintySettings
-from rollslip_campaigns.uncertainty.margin import run_margin
+from rollslip_campaigns.uncertainty.run import run_uncertainty
 
 SCENE = "1032930-70C"
 #: Enough for a quantile of 1 %: ten samples lie below it.
@@ -54,7 +54,7 @@ def percent(fraction):
 
 
 if __name__ == "__main__":
-    found = run_margin(
+    found = run_uncertainty(
         UncertaintySettings(
             SCENE, samples=SAMPLES, indices=64, probability=0.99, plain=True
         ).plan(),

@@ -21,7 +21,7 @@ from scipy.stats import cauchy, norm
 
 from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
 from rollslip_campaigns.uncertainty.estimators import quantile
-from rollslip_campaigns.uncertainty.margin import STOPPING_CONFIDENCE
+from rollslip_campaigns.uncertainty.plan import STOPPING_CONFIDENCE
 
 SEEDS = 1000
 SAMPLES = (256, 512, 1024, 2048, 4096)

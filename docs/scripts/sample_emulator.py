@@ -23,7 +23,7 @@ from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.uncertainty import UncertaintySettings
 from rollslip_campaigns.uncertainty.emulation import WHOLE_SAMPLES
 from rollslip_campaigns.uncertainty.emulator import balance, choose_basis, scales
-from rollslip_campaigns.uncertainty.margin import torque_sweep
+from rollslip_campaigns.uncertainty.plan import torque_sweep
 from rollslip_campaigns.uncertainty.samples import friction_samples
 
 SEED = 7

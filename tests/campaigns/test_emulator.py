@@ -12,7 +12,7 @@ from rollslip_campaigns.uncertainty import UncertaintySettings, emulation
 from rollslip_campaigns.uncertainty.emulator import balance, choose_basis, scales
 from rollslip_campaigns.uncertainty.estimators import Estimate, quantile
 from rollslip_campaigns.uncertainty.findings import RESERVE, STEADY
-from rollslip_campaigns.uncertainty.margin import run_margin
+from rollslip_campaigns.uncertainty.run import run_uncertainty
 from rollslip_studies.motion.loading_branch import branch_slips
 from scattered import SCATTERED
 
@@ -143,9 +143,9 @@ def test_emulated_samples_are_those_computed_as_a_whole_whatever_the_engine(few_
     assert json.loads(found.attrs["points"]) == {"critical": {"ok": 12}, "torques": {"ok": 12}}
 
     threads = UncertaintySettings(SCATTERED, samples=24, engine="threads").plan()
-    run_margin(threads, tmp_path)
+    run_uncertainty(threads, tmp_path)
     # the second time from the journals alone
-    np.testing.assert_array_equal(values_of(run_margin(threads, tmp_path)), values_of(found))
+    np.testing.assert_array_equal(values_of(run_uncertainty(threads, tmp_path)), values_of(found))
 
     plain = rollslip.uncertainty(SCATTERED, samples=24, plain=True)
     assert "critical slip" in plain["quantity"]

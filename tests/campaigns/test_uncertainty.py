@@ -33,9 +33,11 @@ from rollslip_campaigns.sweep.findings import SweepAccount
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
 from rollslip_campaigns.sweep.run import Progress, SweepOutcome
 from rollslip_campaigns.uncertainty import UncertaintySettings, estimators
-from rollslip_campaigns.uncertainty import margin as allowable
+from rollslip_campaigns.uncertainty import plan as planning
+from rollslip_campaigns.uncertainty import run as running
 from rollslip_campaigns.uncertainty.findings import UncertaintyAccount
-from rollslip_campaigns.uncertainty.margin import expected_seconds, run_margin
+from rollslip_campaigns.uncertainty.plan import expected_seconds
+from rollslip_campaigns.uncertainty.run import run_uncertainty
 from rollslip_studies.effective_friction.study import CLOSURES
 from rollslip_studies.steady_slip.evaluated import slip_with_play
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -283,7 +285,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
         lambda *args, **options: SweepOutcome(Progress(64, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", lambda sweep, folder: _points(status, slips))
-    found = run_margin(made, tmp_path / "failed")
+    found = run_uncertainty(made, tmp_path / "failed")
     one = found.sel(quantity="slip at which skidding begins")
     assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
     assert (
@@ -296,7 +298,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     whole = np.where(np.isnan(slips), np.inf, slips)
     for treated in (-np.inf, np.inf):
         values = np.where(np.array(status) == "ok", whole, treated)
-        exact = allowable.quantile(values, 0.1)
+        exact = planning.quantile(values, 0.1)
         assert found.allowable_low <= exact.low
         assert exact.high <= found.allowable_high
     assert np.isfinite(found.allowable_slip)
@@ -311,7 +313,7 @@ def _of_points(points, monkeypatch, folder, **options):
         lambda *args, **options: SweepOutcome(Progress(1, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", points)
-    return run_margin(
+    return run_uncertainty(
         UncertaintySettings(uncertain(**ALPHA), **options).plan(), folder, print_line=said.append
     ), said
 
@@ -404,7 +406,8 @@ def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch)
 
 
 def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST_BATCH", 64)
+    monkeypatch.setattr(planning, "FIRST_BATCH", 64)
+    monkeypatch.setattr(running, "FIRST_BATCH", 64)
 
     def points(sweep, folder):
         n = len(sweep.selected)
@@ -417,7 +420,8 @@ def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
 
 
 def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_path, monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST_BATCH", 16)
+    monkeypatch.setattr(planning, "FIRST_BATCH", 16)
+    monkeypatch.setattr(running, "FIRST_BATCH", 16)
 
     def points(sweep, folder):
         n = len(sweep.selected)
@@ -454,7 +458,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
             lambda *args, **options: SweepOutcome(Progress(16, {}, 0, 0.0), "", "", False),
         )
         patch.setattr(swept, "collect", lambda sweep, folder: _points(ends, slips))
-        found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
+        found = run_uncertainty(sixteen(), tmp_path_factory.mktemp("ends"))
     told = UncertaintyAccount.record(found)
     assert told["points"] == {"critical": dict(counts)}
     one = told["quantities"]["slip at which skidding begins"]
@@ -471,10 +475,11 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
 
 @pytest.mark.slow
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST_BATCH", 32)
+    monkeypatch.setattr(planning, "FIRST_BATCH", 32)
+    monkeypatch.setattr(running, "FIRST_BATCH", 32)
     options = {"samples": 48, "probability": 0.95}
     made = UncertaintySettings(uncertain(**ALPHA), **options).plan()
-    whole = run_margin(made, tmp_path / "whole")
+    whole = run_uncertainty(made, tmp_path / "whole")
 
     class StopError(Exception):
         pass
@@ -484,14 +489,14 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
             raise StopError
 
     with pytest.raises(StopError):
-        run_margin(made, tmp_path / "cut", report=stop)
-    again = run_margin(
+        run_uncertainty(made, tmp_path / "cut", report=stop)
+    again = run_uncertainty(
         UncertaintySettings(uncertain(**ALPHA), **options, engine="serial").plan(), tmp_path / "cut"
     )
     assert again.drop_attrs().identical(whole.drop_attrs())
     assert list(whole.batch_samples.values) == [32, 48]
     with pytest.raises(OutputError, match="holds points of another scene"):
-        run_margin(
+        run_uncertainty(
             UncertaintySettings(uncertain(**ALPHA), **options | {"seed": 1}).plan(),
             tmp_path / "cut",
         )
@@ -499,7 +504,8 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
 
 @pytest.mark.slow
 def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
-    monkeypatch.setattr(allowable, "_FIRST_BATCH", 32)
+    monkeypatch.setattr(planning, "FIRST_BATCH", 32)
+    monkeypatch.setattr(running, "FIRST_BATCH", 32)
     wide = uncertainty(uncertain(**ALPHA), samples=256, probability=0.8, until=0.5)
     assert list(wide.batch_samples.values) == [32]
     assert wide.sizes["sample"] == 32
@@ -522,7 +528,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
         ends[until] = float(found.allowable_low), float(found.allowable_high)
     for until, confidence in ((None, 0.95), (1e-9, 0.975)):
         wanted = estimators.quantile(
-            values, 0.2, replicates=allowable.REPLICATES, confidence=confidence
+            values, 0.2, replicates=planning.REPLICATES, confidence=confidence
         )
         assert ends[until] == (wanted.low, wanted.high)
     assert ends[1e-9][1] - ends[1e-9][0] > ends[None][1] - ends[None][0]
@@ -649,7 +655,7 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
         lambda *args, **options: SweepOutcome(Progress(1, {}, 0, 0.0), "", "", False),
     )
     monkeypatch.setattr(swept, "collect", points)
-    found = run_margin(made, tmp_path / "made")
+    found = run_uncertainty(made, tmp_path / "made")
     assert int(found.indexed_rows.sel(indexed="slip at which skidding begins")) == 8
     assert found.first_order.sel(indexed="slip at which skidding begins").item() == pytest.approx(
         1.0, abs=0.5

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.planning.progress import ProgressReporter
-    from rollslip_campaigns.uncertainty.margin import Margin
+    from rollslip_campaigns.uncertainty.plan import UncertaintyPlan
 
 
 @attrs.frozen(eq=False)
@@ -82,19 +82,21 @@ class UncertaintySettings(OfPoints):
     )
     seed: int = setting("Seed of the samples.", value_type=int, default=0, minimum=0, metavar="N")
 
-    def plan(self) -> "Margin":
+    def plan(self) -> "UncertaintyPlan":
         """Check the settings and plan the sweeps over the samples."""
-        from rollslip_campaigns.uncertainty.margin import plan_margin
+        from rollslip_campaigns.uncertainty.plan import plan_uncertainty
 
-        return plan_margin(self)
+        return plan_uncertainty(self)
 
     def run(
         self, made: Any, folder: Path, show: "ProgressReporter", message: Callable[[str], None]
     ) -> "xr.Dataset":
         """Compute the samples in a folder and estimate the distributions."""
-        from rollslip_campaigns.uncertainty.margin import run_margin
+        from rollslip_campaigns.uncertainty.run import run_uncertainty
 
-        return run_margin(made, folder, print_line=message, report=lambda now: show(*now.summary))
+        return run_uncertainty(
+            made, folder, print_line=message, report=lambda now: show(*now.summary)
+        )
 
     def retry_hints(self, dataset: "xr.Dataset", folder: Path) -> list[str] | None:
         """Return commands that compute the points without a result again, None if all points have one."""
