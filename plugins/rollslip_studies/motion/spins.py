@@ -116,8 +116,9 @@ _SECOND_ORDER_TOLERANCE: Final = 100.0 * _NEWTON_TOLERANCE
 #: 1e-10; chosen, below `DISTINCT`.
 _PERIODIC_TOLERANCE: Final = 1e-3
 #: Relative discretisation error of implicit Euler, or of the moments of neighbours, up to which a motion counts as
-#: converged. Neither half nor twice the value changes a result of 62 random bearings, nor ten times the value one of
-#: 46; chosen, seven times the median error of a largest torque.
+#: converged. Half and twice the value change the status at 2 and 3 of 250 slips of ten random bearings without a cage,
+#: and none of 62 random bearings with one. Chosen: the median of the 28 errors that moments of neighbours leave there
+#: is 0.98 %.
 _MAX_ERROR: Final = 1e-2
 
 # Scales and bounds of roller slips.
@@ -142,12 +143,15 @@ _MAX_START: Final = 64.0
 #: halving it torques by up to 1.3e-5; chosen, five times the median.
 _MAX_MOMENT_ITERATIONS: Final = 40
 #: Number of steps that do not decrease after which the spin counts as alternating between balances, so that the
-#: iteration ends, and number of iterations whose range of torques is then the error. Half and twice as many change
-#: torques by up to 2 %, and cost 9 % less and 22 % more; chosen.
+#: iteration ends, and number of iterations whose range of torques is then the error. Half and twice as many leave
+#: 0.36 % and 0.08 % of the largest torque in place of 0.21 %, by 7 % fewer and 11 % more iterations: root mean square
+#: at 250 slips of ten random bearings without a cage, from a reference of 200 such steps. Chosen: half as many state
+#: too small an error at six slips in place of one.
 _MAX_STALLED_STEPS: Final = 8
-#: Ratio of a step to the smallest one so far above which it counts as not decreasing. Doubling it costs 27 %
-#: more iterations and changes a mean torque by 15 %, halving it saves 22 % and changes one by 1.6 %; chosen,
-#: below 1 so that slow convergence counts, too.
+#: Ratio of a step to the smallest one so far above which it counts as not decreasing. At the same 250 slips half the
+#: value ends the iteration too early: 60 motions in place of 14 do not converge, and torques err by 1.5 %. Twice the
+#: value takes 14 % more iterations and states too small an error at six slips in place of one. Chosen, below 1 so that
+#: slow convergence counts, too.
 _STALL_RATIO: Final = 0.8
 
 
