@@ -14,16 +14,19 @@ from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
 import rollslip
+from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
 from rollslip.cli.main import main
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.scene.formats import format_of
-from rollslip_campaigns.surrogate import SurrogateSettings
+from rollslip_campaigns.surrogate import SurrogateSettings, plan
 from rollslip_campaigns.surrogate import drags as surrogate_drags
 from rollslip_campaigns.surrogate import surrogate as made_by
 from rollslip_campaigns.surrogate.drags import OPERATION_KEYS, drag_errors, tabulate_drags
 from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
+from rollslip_campaigns.surrogate.plan import _speed_bounds
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
+from rollslip_studies.motion.orbit_loads import orbit_loads
 
 pytestmark = pytest.mark.quick
 #: Radius of the inner raceway [m].
@@ -186,6 +189,49 @@ def test_speeds_of_a_plan_hold_those_of_its_ranges():
     backwards = rollslip.evolve(scene, {"operation.inner_speed": "-500 rpm"})
     ends = SurrogateSettings(backwards, {}, engine="serial").plan().ranges["operation.inner_speed"]
     assert ends == pytest.approx((-600.0 * rpm, -75.0 * rpm))
+
+
+#: Speeds of both rings of scene turbine [rpm], and the largest mean error of the contact forces. Half and twice of
+#: `_MIN_RATIO` exceed the first, half and twice of `_MAX_RATIO` the second one.
+OF_BOTH_RINGS = {
+    "against": ((2000.0, 12000.0), (-8000.0, -1000.0), 6e-4),
+    "alike": ((2000.0, 12000.0), (2000.0, 11000.0), 0.0172),
+}
+
+
+@pytest.mark.parametrize(("inner", "outer", "limit"), OF_BOTH_RINGS.values(), ids=OF_BOTH_RINGS)
+def test_contact_forces_of_tables_are_those_of_both_rings_in_motion(inner, outer, limit):
+    bearing = assemble(rollslip.load_scene("turbine"))
+    Ri = bearing.kinematics.inner_radius
+    Ro = bearing.kinematics.outer_radius
+    rpm = math.pi / 30.0
+    ranges = {
+        key: (rpm * low, rpm * high)
+        for key, (low, high) in zip(OPERATION_KEYS[2:], (inner, outer), strict=True)
+    }
+    slow, fast, low, high = _speed_bounds(bearing, ranges)
+    of_inner, of_outer = (
+        np.random.default_rng(1).uniform(*np.transpose([*ranges.values()]), (4000, 2)).T
+    )
+    u = Ri * Ro / (Ri + Ro) * np.abs(of_inner - of_outer)
+    cage = np.abs(Ri * of_inner + Ro * of_outer) / (Ri + Ro)
+    # forces of a contact depend on the speed of the cage alone
+    axis = Axis(np.geomspace(low, high, 9), logarithmic=True)
+    nodes = np.outer(np.clip(u, slow, fast), axis.nodes) / Ro
+    speeds = fast * high / Ro * np.linspace(0.0, 1.0, 400) ** 3
+    errors = []
+    for loads, _ in orbit_loads(bearing, 4, speeds)[:2]:
+        force = loads.reshape(speeds.size, -1).sum(axis=1)
+        tabulated = weights(9, axis.position(Ro * cage / u)) * np.interp(nodes, speeds, force)
+        exact = np.interp(cage, speeds, force)
+        errors.append(np.abs(tabulated.sum(axis=1) / exact - 1.0).mean())
+    assert np.mean(errors) < limit
+
+
+def test_a_drag_that_tables_do_not_reproduce_is_refused(monkeypatch):
+    monkeypatch.setattr(plan, "drag_error", lambda *arguments: 0.3)
+    with pytest.raises(SceneError, match=r"errs by 30 %; allow a larger error"):
+        SurrogateSettings("gearbox", {}, engine="serial").plan()
 
 
 def test_an_error_of_a_fifth_is_the_most_that_is_asked_for():
