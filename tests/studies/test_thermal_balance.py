@@ -172,7 +172,7 @@ def test_all_balances_are_found_and_which_last():
 def test_a_curve_up_to_what_settles_first_is_the_beginning_of_the_whole():
     heated = Made(OIL, {"oil": lambda T: 100.0 + 1500.0 / (1.0 + np.exp(-(T[0] - 340.0) / 5.0))})
     whole, _ = heated.curve(290.0, 450.0, 12)
-    first, _ = heated.curve(290.0, 450.0, 12, first=True)
+    first, _ = heated.curve(290.0, 450.0, 12, to_first_zero=True)
     count = int(np.argmax(whole.excess < 0.0)) + 1
     assert 1 < count < whole.excess.size
     assert first.temperature.tolist() == whole.temperature[:count].tolist()

@@ -336,8 +336,8 @@ class Heated:
             return None
         return None if iterated is None else iterated[0]
 
-    def _iterated(self, T: Array, first: int) -> tuple[Array, Mapping[str, float]] | None:
-        """Return the temperatures that fixed-point iteration of the nodes from the first one finds, and the losses.
+    def _iterated(self, T: Array, n_fixed: int) -> tuple[Array, Mapping[str, float]] | None:
+        """Return the temperatures of the nodes beyond some fixed ones by fixed-point iteration, and the losses.
 
         It has Anderson's acceleration of depth 1, and is None if it does not converge.
         """
@@ -346,7 +346,7 @@ class Heated:
             state = self.at(T)
             if state.refusal:
                 raise _Refused(state)
-            residual = self._cooled(T, state.heat, first) - T
+            residual = self._cooled(T, state.heat, n_fixed) - T
             if float(np.abs(residual).max(initial=0.0)) <= _TEMPERATURE_TOLERANCE:
                 return T + residual, state.heat
             step = residual
@@ -359,22 +359,22 @@ class Heated:
             T = T + step
         return None
 
-    def _cooled(self, temperatures: Array, heat: Mapping[str, float], first: int) -> Array:
-        """Return the temperatures of the nodes for fixed losses, of those before the first one fixed, too.
+    def _cooled(self, temperatures: Array, heat: Mapping[str, float], n_fixed: int) -> Array:
+        """Return the temperatures of the nodes for fixed losses; those of the first ``n_fixed`` nodes are fixed, too.
 
         They are found by Newton's method on the thermal model alone.
         """
         T = temperatures.copy()
         n = temperatures.size
         for _ in range(_MAX_ITERATIONS):
-            flow = self.model.inflows(T, heat)[first:]
-            if n == first or float(np.abs(flow).max()) == 0.0:
+            flow = self.model.inflows(T, heat)[n_fixed:]
+            if n == n_fixed or float(np.abs(flow).max()) == 0.0:
                 return T
             columns = [
-                self.model.inflows(T + unit, heat)[first:] - flow for unit in np.eye(n)[first:]
+                self.model.inflows(T + unit, heat)[n_fixed:] - flow for unit in np.eye(n)[n_fixed:]
             ]
             step = np.linalg.solve(np.array(columns).T, -flow)
-            T[first:] += step
+            T[n_fixed:] += step
             if float(np.abs(step).max()) <= 1e-3 * _TEMPERATURE_TOLERANCE:
                 return T
         refusal = "the thermal model finds no temperatures that carry the losses away"
@@ -399,7 +399,7 @@ class Heated:
         highest: float,
         points: int,
         *,
-        first: bool = False,
+        to_first_zero: bool = False,
         coarse: "Heated | None" = None,
     ) -> tuple[Curve, dict[float, Array]]:
         """Return the excess heat over a range, and the temperatures of all nodes by that of the leading one.
@@ -412,14 +412,14 @@ class Heated:
             Range of the temperature of the leading node [K].
         points : int
             Number of points of the first grid.
-        first : bool
+        to_first_zero : bool
             Whether the curve ends where it first falls below zero; it is the same up to there.
         coarse : Heated, optional
             The same bearing at a coarser resolution, with which the grid is sampled first. Its samples stay where the
             curve has neither a zero nor an end nor an extremum beside them.
         """
         scan = _Scan(self if coarse is None else coarse)
-        grid = scan.sample_grid(lowest, highest, points, first=first)
+        grid = scan.sample_grid(lowest, highest, points, to_first_zero=to_first_zero)
         if coarse is not None:
             self.evaluations += coarse.evaluations
             self._found += coarse._found  # likely slips
@@ -522,11 +522,11 @@ class Heated:
         """
         from scipy.optimize import minimize_scalar
 
-        first = int(np.searchsorted(curve.temperature, start))
-        x = curve.temperature[first:]
-        values = curve.excess[first:]
+        start_index = int(np.searchsorted(curve.temperature, start))
+        x = curve.temperature[start_index:]
+        values = curve.excess[start_index:]
         points = int(np.argmin(np.append(np.isfinite(values), False)))  # up to the end of the curve
-        end = curve.refusals[first + points] if points < x.size else None
+        end = curve.refusals[start_index + points] if points < x.size else None
         if not points:
             return start, 0.0, end
         k = int(np.argmin(values[:points]))
@@ -674,7 +674,7 @@ class _Scan:
         return leading not in self.refused
 
     def sample_grid(
-        self, lowest: float, highest: float, points: int, *, first: bool
+        self, lowest: float, highest: float, points: int, *, to_first_zero: bool
     ) -> list[float]:
         """Sample a uniform grid, and colder points while the coldest has an excess below zero; see `Heated.curve`."""
         grid = list(np.linspace(lowest, highest, points))
@@ -682,7 +682,7 @@ class _Scan:
         for k, x in enumerate(grid):
             self.sample(x)
             falls = k > 0 and excess[x] < 0.0
-            if first and falls and (excess[grid[k - 1]] > 0.0 or excess[grid[0]] < 0.0):
+            if to_first_zero and falls and (excess[grid[k - 1]] > 0.0 or excess[grid[0]] < 0.0):
                 grid = grid[: k + 1]
                 break
         while (

@@ -219,10 +219,10 @@ class ThermalBalance(Study):
 
         model = self._model(assembly)
         heated = Heated(assembly, model, self._steady)
-        first = processor_time(heated.given, 1)
+        initial_time = processor_time(heated.given, 1)
         if not model.nodes:
-            return {"run": first}
-        again = processor_time(Heated(assembly, model, self._steady).given, 1)
+            return {"run": initial_time}
+        repeated_time = processor_time(Heated(assembly, model, self._steady).given, 1)
         start = model.start(assembly.scene)
         n = len(model.nodes)
         seconds = []
@@ -232,7 +232,7 @@ class ThermalBalance(Study):
             seconds.append(processor_time(partial(heated.at, T + _TIMED_STEP), 1))
         per_point = 1 if n == 1 else _SLIPS_PER_POINT
         states = self.points * per_point + 4 * n + _SLIPS_PER_COURSE * bool(self.duration)
-        return {"run": again + states * sum(seconds) / len(seconds)}
+        return {"run": repeated_time + states * sum(seconds) / len(seconds)}
 
     def compared_values(self, dataset: "xr.Dataset") -> dict[str, ComparedValues]:
         """Return the steady slip of the coldest stable balance, of rollers set in the cage."""
@@ -407,7 +407,7 @@ class ThermalBalance(Study):
         return variables
 
     def _search(
-        self, heated: Heated, *, first: bool = False
+        self, heated: Heated, *, to_first_zero: bool = False
     ) -> tuple[Curve, dict[float, Any], list[Balance]]:
         """Return the curve of excess heat, temperatures of all nodes by the leading one, and the balances."""
         model = heated.model
@@ -418,7 +418,7 @@ class ThermalBalance(Study):
             lowest,
             max(self.highest_temperature, lowest + 1.0),
             self.points,
-            first=first,
+            to_first_zero=to_first_zero,
             coarse=None if heated.scene.accuracy.exact else self._coarse(heated.assembly),
         )
         balances = [
@@ -514,16 +514,16 @@ class ThermalBalance(Study):
                 f"no balance: no steady state is known from {celsius[0]:.4g} to {celsius[-1]:.4g} degC of the {node}; "
                 f"with the coldest, {coldest.refusal}"
             )
-        first = int(known[0])
+        coldest_known = int(known[0])
         last = int(known[-1])
-        if curve.excess[first] < 0.0:
+        if curve.excess[coldest_known] < 0.0:
             reason = ""
-            if first:
-                reason = f", where the data of the scene end: {curve.refusals[first - 1].refusal}"
+            if coldest_known:
+                reason = f", where the data of the scene end: {curve.refusals[coldest_known - 1].refusal}"
             return (
-                f"no balance down to {celsius[first]:.4g} degC of the {node}: there "
-                f"{-curve.excess[first]:.3g} W more are carried away than are lost{reason}; check the temperatures and "
-                "the cooling that the thermal model takes"
+                f"no balance down to {celsius[coldest_known]:.4g} degC of the {node}: there "
+                f"{-curve.excess[coldest_known]:.3g} W more are carried away than are lost{reason}; check the "
+                "temperatures and the cooling that the thermal model takes"
             )
         if last == curve.excess.size - 1:
             return (
@@ -584,7 +584,7 @@ class _ColdestBalance(ThermalBalance):
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the coldest stable balance, or all variables of the study if there is none."""
-        *_, balances = self._search(heated, first=True)
+        *_, balances = self._search(heated, to_first_zero=True)
         stationary = next((balance for balance in balances if balance.stable), None)
         if stationary is None:
             return super()._balances(heated)
