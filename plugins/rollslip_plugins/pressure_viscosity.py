@@ -25,7 +25,7 @@ from rollslip_kernels.stages import viscosity as compiled
 
 #: Viscosity at which all isotherms of Roelands's law meet [Pa s]: 6.315e-5 (Roelands 1966).
 POLE_VISCOSITY: Final = math.exp(-9.67)
-#: Negative of the pressure at which they meet [Pa] (Roelands 1966).
+#: Negative of the pressure at which all isotherms of Roelands's law meet [Pa]: 0.196 GPa (Roelands 1966).
 POLE_PRESSURE: Final = 1 / 5.1e-9
 
 

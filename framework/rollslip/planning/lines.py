@@ -39,7 +39,8 @@ LONG_RUN: Final = 60.0
 _SLICE_TIME: Final = 2e-8
 #: Time of the error estimate and the check of validity at least [s], measured by docs/scripts/plan_times.py.
 _CHECK_TIME: Final = 0.01
-#: Time of both, relative to that of the study; measured likewise.
+#: Time of both, relative to that of the study; measured likewise. Doubled, plans state a third more for a study and its
+#: check.
 _CHECK_FRACTION: Final = 0.5
 
 

@@ -62,7 +62,8 @@ __all__ = [
 #: Ratio of the slips at both ends of an assumption from which it is shown. Chosen; with a smaller one assumptions are
 #: shown that change the second digit.
 _SHOWN_RATIO: Final = 1.2
-#: Upper end below which a range [SI unit] is shown by a factor on its middle: few people read such numbers.
+#: Upper end, in the unit that is shown, below which a range of positive values is shown by a factor on its middle, and
+#: one of others without its ends: few people read such numbers. Doubled, ends of 0.001 to 0.002 are hidden, too.
 _SMALL_NUMBER: Final = 1e-3
 #: Key of a scene -> its name among what was assumed, where the last part of the key is not that.
 _NAMED: Final = {"lubricant.name": "oil", "bearing.name": "bearing"}

@@ -30,7 +30,8 @@ __all__ = [
 
 
 #: Difference of the last two points of a curve, relative to the largest friction, from which a rise at its end is
-#: reported. Chosen: above rounding and the tolerance of friction.
+#: reported. Twice as much calls a curve level that still rises slowly. Chosen: a tenth of the default tolerance of
+#: friction, and far above rounding.
 _MIN_RISE: Final = 1e-4
 #: Variables of the first maximum of curves, slip and friction, which a dataset may have.
 FIRST: Final = ("first_maximum_slip", "first_maximum_friction")

@@ -71,7 +71,8 @@ _BOUND_DISTANCE: Final = 1e-6
 _BOUND_SLOPE: Final = 0.1
 
 #: Largest first step, in coordinates of order 1; the first step is half the way to the limit of the largest
-#: quantile by the covariance, if that is shorter. Doubling it saves searches and misses rises in between.
+#: quantile by the covariance, if that is shorter. Doubling it saves searches and misses rises in between. Chosen: a
+#: quarter of the size of a coordinate.
 _MAX_STEP: Final = 0.25
 #: First step of a parameter without a covariance. Doubling it saves one search a side; chosen.
 _UNKNOWN_STEP: Final = 0.05

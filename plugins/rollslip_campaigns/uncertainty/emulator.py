@@ -39,7 +39,8 @@ _MAX_ERROR: Final = 0.1
 #: Smallest slip of the grid above zero. Chosen: below it the torque is proportional to the slip, and the logarithm of
 #: its small excess shows the tolerance of the search.
 _MIN_SLIP: Final = 0.0015
-#: Smallest excess of the torque over that without slip, relative to the largest one, of which the logarithm is taken.
+#: Smallest excess of the torque over that without slip, relative to the largest one, of which the logarithm is taken:
+#: rounding may leave less than zero. Half and twice the value change smaller excesses alone.
 _MIN_EXCESS: Final = 1e-9
 #: Standard deviation of samples below which it counts as this: errors of equal samples are relative to it. Chosen: 5 %
 #: of a reserve, and of a small slip.

@@ -30,7 +30,9 @@ _MARKS: Final = "osD^vP*X"
 _MIN_RATIO = 1e-2
 #: Upper end of the axis of ratios; an arrow marks ratios above it. Chosen: as far from 1 as the lower end.
 _MAX_RATIO = 1e2
-#: Ratio of the largest to the smallest measured value above which the axis of a series is logarithmic. Chosen.
+#: Ratio of the largest to the smallest measured value above which the axis of a series is logarithmic.
+#: Doubled, values of a fortieth of the largest stand at the foot of a linear axis. Chosen: at a twentieth of the height
+#: a mark is still apart from zero.
 _LOG_AXIS_RATIO = 20.0
 #: Number of conditions up to which their labels fit below the axis. Chosen.
 _MAX_LABELS = 6

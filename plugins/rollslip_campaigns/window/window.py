@@ -47,7 +47,8 @@ _SPEEDS: Final = ("inner_speed", "outer_speed")
 _SPEED_RANGE: Final = (0.25, 2.0)
 #: Values by default, besides that of the scene. Chosen: curves of loads over speed have no sharp bends.
 _DEFAULT_COUNT: Final = 6
-#: Most values; each takes as long as a minimum load.
+#: Largest number of values that may be requested; each takes as long as a minimum load. Chosen: a larger one is mostly
+#: a typing error.
 _MAX_COUNT: Final = 1000
 #: Beginning of the keys of quantities on which a life without modification depends.
 _OF_BEARING: Final = "bearing."

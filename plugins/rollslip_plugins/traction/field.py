@@ -77,7 +77,8 @@ MAX_SECANT_CHANGE = 0.3
 MIN_SECANT_CHANGE = 1e-7
 #: Change of beta theta that ends Newton's method: below the smallest error that is requested.
 NEWTON_TOLERANCE = 1e-9
-#: Number of cells below which a slice without a solution is tried on a finer grid. Chosen: real ones fail on all grids.
+#: Number of cells below which a slice without a solution is tried on a finer grid. Doubled, a slice that has none is
+#: tried once more before it is refused. Chosen: real ones fail on all grids.
 MIN_DECISIVE_CELLS = 64
 #: Number of slices that are marched together: their arrays fit into the cache of a processor. Chosen.
 BATCH = 256

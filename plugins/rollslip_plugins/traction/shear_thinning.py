@@ -27,7 +27,8 @@ from rollslip_plugins.traction.heating import (
 
 #: Euler's constant gamma.
 EULER = np.euler_gamma
-#: Nodes on (0, 1) of Gauss-Legendre quadrature.
+#: Nodes on (0, 1) of Gauss-Legendre quadrature, 12 of them. Half as many err by 3e-8, twice as many, as these do,
+#: by rounding: up to 2e-15 at 4,000 random strains and durations.
 NODES = (1 + np.polynomial.legendre.leggauss(12)[0]) / 2
 #: Weights of these nodes.
 WEIGHTS = np.polynomial.legendre.leggauss(12)[1] / 2

@@ -19,7 +19,8 @@ Floats: TypeAlias = NDArray[np.float64]
 MAX_STEPS = 60
 #: Value of sigma below which every law is linear in it to the last bit, and is scaled: products would be denormal.
 LINEAR = 1e-150
-#: Nodes on (-1, 1) of Gauss-Legendre quadrature of the mean stress where the closed form cancels.
+#: Nodes on (-1, 1) of Gauss-Legendre quadrature of the mean stress where the closed form cancels, 14 of them. Half as
+#: many err by up to 1.3e-14 at 40,000 random contacts, twice as many by rounding as these do.
 ROOTS = np.polynomial.legendre.leggauss(14)[0]
 #: Weights of these nodes.
 WEIGHTS = np.polynomial.legendre.leggauss(14)[1]

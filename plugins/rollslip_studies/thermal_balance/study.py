@@ -39,7 +39,8 @@ _TIMED_STEP: Final = 0.3
 _SLIPS_PER_POINT: Final = 4
 #: Number of steady slips for a course over time; it scales the estimate of the cost. Chosen.
 _SLIPS_PER_COURSE: Final = 200
-#: Length of an interval [K] up to which a jump is described by one temperature.
+#: Length of an interval [K] up to which a jump is described by one temperature. Twice as much describes intervals so
+#: whose ends differ in the four digits that are printed. Chosen: the last of these from 100 degC on.
 _SHORT_INTERVAL: Final = 0.1
 #: Outputs of the coldest stable balance, which need no warmer balances.
 _STATIONARY_OUTPUTS: Final = frozenset(

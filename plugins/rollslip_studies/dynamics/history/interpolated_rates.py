@@ -70,7 +70,8 @@ _MIN_LOAD_FRACTION: Final = 1e-9
 #: loses contact between the points the rates have a kink, at which the error of a cubic is two to three times as large.
 _ERROR_FRACTION: Final = 0.4
 #: Cage speed below which slip has no meaning, relative to the difference of the ring speeds: rings that turn against
-#: each other at the same surface speed, up to rounding.
+#: each other at the same surface speed, up to rounding. Half and twice the value change nothing: speeds as they are
+#: stated differ by far more. Chosen between these and the rounding of speeds, 1e-16.
 _ROUNDING: Final = 1e-9
 #: Entries of the ledger whose rates are compared, in addition to the spins of the rollers.
 _COMPARED: Final = (
