@@ -7,7 +7,8 @@ from typing import Any, Final, NamedTuple
 import attrs
 
 from rollslip.fields import Scatter
-from rollslip.geometry.bearing import Bearing, Surface
+from rollslip.geometry.bearing import Bearing
+from rollslip.geometry.surfaces import Surface
 from rollslip.references import Citation
 from rollslip.toml import FrozenTable
 

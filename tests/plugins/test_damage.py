@@ -10,7 +10,7 @@ from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
-from rollslip.geometry.bearing import Material
+from rollslip.geometry.surfaces import Material
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.damage.flash import ContactTemperature, FlashTemperature

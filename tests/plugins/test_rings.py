@@ -14,7 +14,8 @@ from rollslip import Chain, Conditions, evolve, get_model, load_distribution, lo
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import SceneError
-from rollslip.geometry.bearing import Material, Mounting, Raceway
+from rollslip.geometry.bearing import Mounting
+from rollslip.geometry.surfaces import Material, Raceway
 from rollslip.planning.plausibility import implausible
 from rollslip.rings import Rings, RingShapes, Stops, _lattice
 from rollslip.scene.clearance import transmitted_fraction

@@ -12,7 +12,8 @@ from rollslip import evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
-from rollslip.geometry.bearing import Bearing, Catalogue, Material, Mounting, Raceway
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting
+from rollslip.geometry.surfaces import Material, Raceway
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.clearance import (
     centrifugal_growth,

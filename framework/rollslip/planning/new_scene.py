@@ -18,7 +18,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import CAGE_DESIGNS, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.errors import RollslipError, SceneError
-from rollslip.geometry.bearing import PROFILES, Bearing
+from rollslip.geometry.bearing import Bearing
+from rollslip.geometry.surfaces import PROFILES
 from rollslip.scene.clearance import usual_fit
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.relations import required_axial_load, skf_minimum_load

@@ -1,6 +1,7 @@
 """What the user wrote: a scene as frozen, checked values, and how it is read and changed."""
 
-from rollslip.geometry.bearing import Bearing, Material, Profile, Surface
+from rollslip.geometry.bearing import Bearing
+from rollslip.geometry.surfaces import Material, Profile, Surface
 from rollslip.scene.supply import Lubrication
 from rollslip.scene.values import (
     Accuracy,

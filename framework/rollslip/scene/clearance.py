@@ -28,7 +28,8 @@ import attrs
 
 from rollslip.errors import PluginError
 from rollslip.fields import FieldError, Scatter, refuse_if
-from rollslip.geometry.bearing import Bearing, Material, MountedClearance, Mounting
+from rollslip.geometry.bearing import Bearing, MountedClearance, Mounting
+from rollslip.geometry.surfaces import Material
 from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 

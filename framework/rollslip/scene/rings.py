@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from rollslip.fields import FieldError, field
 from rollslip.files import named_text, read_columns
-from rollslip.geometry.bearing import Bearing, FormPart
+from rollslip.geometry.bearing import Bearing
+from rollslip.geometry.surfaces import FormPart
 from rollslip.rings import RingModel, Rings, RingShapes
 from rollslip.search import Array
 from rollslip.structure import Location

@@ -26,7 +26,8 @@ from rollslip.fields import (
     positive,
     refuse_if,
 )
-from rollslip.geometry.bearing import Bearing, Surface
+from rollslip.geometry.bearing import Bearing
+from rollslip.geometry.surfaces import Surface
 from rollslip.scene.supply import Lubrication
 from rollslip.structure import FrozenTable, resolved
 from rollslip.units import format_quantity
@@ -399,7 +400,8 @@ class Scene:
     title: str = field(default="", doc="one line about the scene")
     description: str = field(default="", doc="more about the scene, its sources for example")
     note: str = field(
-        default="", doc="what has to be known before any of its results; told in their first lines"
+        default="",
+        doc="what has to be known before any of its results; stated in their first lines",
     )
     bearing: Bearing = field(doc="geometry and material of the bearing")
     surface: Surface = field(default=Surface(), doc="roughness of the running surfaces")

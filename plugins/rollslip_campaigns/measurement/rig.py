@@ -26,7 +26,7 @@ from rollslip.files import (
     readable,
     text_named,
 )
-from rollslip.geometry.bearing import Material
+from rollslip.geometry.surfaces import Material
 from rollslip.scene.values import LubricantTable, Models
 from rollslip.search import Array
 from rollslip.structure import Location, raise_problem_if, structure

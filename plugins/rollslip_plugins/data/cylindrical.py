@@ -2,10 +2,10 @@
 
 - Bore, outside diameter and width are boundary dimensions of ISO 15, the clearance groups those of ISO 5753-1.
 - No standard gives the inside, and makers differ. It is estimated (D) by rules of each series, `RULES`: diameter
-  and pitch circle of the rollers over those of the bearing; the pitch between two rollers, which is a share of their
-  diameter and a bar that gets no thinner than its fixed part; and the length, a share of the width less what two ribs
-  and two chamfers take of any bearing. The rules were read off 156 bearings of one maker, whose raceways are printed
-  and whose rollers follow from the static rating by ISO 76, the lengths off the printed ratings of two makers;
+  and pitch circle of the rollers over those of the bearing; the pitch between two rollers, which is a fraction of their
+  diameter and a bar that gets no thinner than its fixed part; and the length, a fraction of the width less what two
+  ribs and two chamfers take of any bearing. The rules were read off 156 bearings of one maker, whose raceways are
+  printed and whose rollers follow from the static rating by ISO 76, the lengths off the printed ratings of two makers;
   ``docs/scripts/bearing_catalogue.py`` holds them against these, and ``docs/tables/bearing_catalogue.csv`` has the
   errors. The diameter is rounded to one of GOST 22696, above 50 mm to one of the steps that would follow.
 - Types NU, NJ, NUP and N of a series differ in their ribs alone, and have the same rollers here. NJ and NUP have ribs
@@ -22,7 +22,8 @@ from typing import Final, NamedTuple
 
 from rollslip.datasets import BearingData, Family, OwnCage, Scatter
 from rollslip.geometry.axial import RIB_ANGLE, RIB_HEIGHT, Ribs
-from rollslip.geometry.bearing import Bearing, Catalogue, Mounting, Profile
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting
+from rollslip.geometry.surfaces import Profile
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data import PROFILE_DEPTH, RIB_SCATTER
 from rollslip_plugins.data.designations import other_bearing, read_designation

@@ -17,7 +17,8 @@ from functools import cached_property
 from typing import Final
 
 from rollslip.datasets import BearingData, Family, OwnCage, Scatter
-from rollslip.geometry.bearing import Bearing, Catalogue, Mounting, Profile
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting
+from rollslip.geometry.surfaces import Profile
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.cylindrical import RULES, boundaries, clearance, nearest_roller

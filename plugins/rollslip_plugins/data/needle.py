@@ -6,10 +6,10 @@
   cups are in ISO 3245. Rollers stand in a cage.
 - Without an inner ring the clearance is what the shaft leaves of the circle under the rollers, F6 of machined rings, F7
   of cups that are pressed in (C), with a shaft h5 (ISO 286). A drawn cup takes the shape of the housing.
-- The inside is estimated (D): the diameter of a needle is a share of the section, rounded to one of ISO 3096; from one
-  to the next on the pitch circle it is a fixed share more, for the cage; the length is a share of the width. The shares
-  give the static ratings of NK 20/16 (25.5 kN), NK 40/20 (57 kN) and HK 2016 (20.1 kN), which are recalled (C), by
-  ISO 76 to 10 %.
+- The inside is estimated (D): the diameter of a needle is a fraction of the section, rounded to one of ISO 3096; the
+  distance on the pitch circle is larger by a fixed fraction, for the cage; the length is a fraction of the width. The
+  fractions give the static ratings of NK 20/16 (25.5 kN), NK 40/20 (57 kN) and HK 2016 (20.1 kN), which are recalled
+  (C), by ISO 76 to 10 %.
 """
 
 import math
@@ -18,7 +18,8 @@ from functools import cached_property
 from typing import Final, NamedTuple
 
 from rollslip.datasets import BearingData, Family, OwnCage, Scatter
-from rollslip.geometry.bearing import Bearing, Catalogue, Mounting, Profile, Raceway
+from rollslip.geometry.bearing import Bearing, Catalogue, Mounting
+from rollslip.geometry.surfaces import Profile, Raceway
 from rollslip_plugins.bibliography import ISO_76, ISO_286, ISO_3096, ISO_3245, ISO_5753
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.cylindrical import clearance
@@ -143,8 +144,9 @@ def _bearing(name: str, size: _Size) -> BearingData:
             f"mm; estimated (D): {rollers} rollers of {diameter:g} x {length:g} mm{of}"
         ),
         source=(
-            "Boundary dimensions: makers' lists (C). Inner geometry: estimated (D), needles by shares of section and "
-            f"width that give three recalled static ratings; rollers times length are known to about {_SCATTER:.0%}; "
+            "Boundary dimensions: makers' lists (C). Inner geometry: estimated (D), needles by fractions of section "
+            "and width that give three recalled static ratings; rollers times length are known to about "
+            f"{_SCATTER:.0%}; "
             f"{source}. Profile: that of ISO/TS 16281 for rollers of unknown profile (D)."
         ),
         validity="Before mounting: a scene says what fits, speed and temperature leave of the clearance.",

@@ -20,7 +20,8 @@ from typing import Final, NamedTuple
 
 from rollslip.datasets import BearingData, Family, OwnCage, Scatter
 from rollslip.geometry.axial import ContactAngles, raceway_diameters
-from rollslip.geometry.bearing import Bearing, Catalogue, Profile
+from rollslip.geometry.bearing import Bearing, Catalogue
+from rollslip.geometry.surfaces import Profile
 from rollslip_plugins.bibliography import ISO_76, ISO_355
 from rollslip_plugins.data import PROFILE_DEPTH
 from rollslip_plugins.data.designations import packed

@@ -15,7 +15,7 @@ import attrs
 from rollslip.bearing.cage import CAGE_DESIGNS, read_cage
 from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.datasets import SURFACES
-from rollslip.geometry.bearing import Surface
+from rollslip.geometry.surfaces import Surface
 from rollslip.scene.changes import stated_values
 from rollslip.scene.supply import SUPPLIES
 from rollslip.scene.values import Scene

@@ -21,7 +21,7 @@ from rollslip.bearing.raceway import Ring
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import structure_models
 from rollslip.errors import DomainError
-from rollslip.geometry.bearing import Material
+from rollslip.geometry.surfaces import Material
 from rollslip.references import CitedModel
 from rollslip.results.dataset import UNITS, about
 from rollslip.scene.values import Scene
