@@ -48,8 +48,7 @@ def test_a_peer_that_does_other_work_or_fails_is_left_out_in_words():
     peers.check("moes")
     assert set(peers.ready) == {bench_chain.OURS}
     assert (
-        "does other work: its friction is off by 1.0e-09, allowed is 1e-12"
-        in peers.missing["other"]
+        "does other work: its friction errs by 1.0e-09, allowed is 1e-12" in peers.missing["other"]
     )
     assert peers.missing["failing"] == "fails: ValueError: no such film"
     assert "off by inf" in peers.missing["no number"]

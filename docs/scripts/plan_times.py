@@ -5,7 +5,7 @@ over all that friction depends on (tests/support/promise_scenes.py), and a third
 and those of the catalogue at 0.5 to 15,000 rpm (loading_branch_scenes.py), by seeds of their own, others than
 those by which
 the share of the check was chosen. Times are of the processor, of all that a study takes: with the check of its result,
-and again where that asks for it. What takes longer than a minute is ended there. Takes ten minutes on two cores.
+and again where that requires it. What takes longer than a minute is ended there. Takes ten minutes on two cores.
 """
 
 import json

@@ -254,7 +254,7 @@ class Network(ThermalModel):
     contact_fraction: float = parameter(
         default=0.5,
         unit="1",
-        doc="share of a contact's heat that goes into the rollers, the rest into the ring",
+        doc="fraction of a contact's heat that goes into the rollers, the rest into the ring",
         validator=in_range(0.0, 1.0),
         usual=(0, 1),
         possible=(0, 1),

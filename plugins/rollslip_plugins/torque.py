@@ -132,7 +132,7 @@ class Skf(TorqueFormula):
     - F_r: radial load [N]
     - nu: kinematic viscosity at the oil's temperature [m2/s]
     - n: speed of the rings, relative to each other [1/s]
-    - phi_ish, phi_rs, phi_bl: heat of the inlet, starvation by the supply, and share of mixed friction [1]
+    - phi_ish, phi_rs, phi_bl: heat of the inlet, starvation by the supply, and fraction of mixed friction [1]
     - mu_sl: friction of sliding [1]
     - K_rs: 0 of a bath to the middle of the lowest roller; 3e-8 of a lower bath, of splash, circulating oil and a jet;
       6e-8 of mist and grease [1]

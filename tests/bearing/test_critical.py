@@ -107,4 +107,4 @@ def test_a_single_maximum_is_the_first_too_and_a_ripple_is_none():
 def test_a_range_that_is_at_its_end_is_not_advised_to_go_further(largest, most, value):
     said = search_range_hint("study.a.b", largest, most)
     assert said == (f"; look further with --set study.a.b={value}" if value else "")
-    assert search_range_hint("", 0.1, 0.99) == "", "there is no key"
+    assert search_range_hint("", 0.1, 0.99) == "", "there is not a key"

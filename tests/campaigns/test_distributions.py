@@ -140,7 +140,7 @@ def test_nothing_uncertain_has_no_values():
         ({"operation": {"misalignment": {"distribution": "normal", "scatter": 0.1}}},
          "of a mean of 0 a relative scatter says"),
         ({"operation": {"radial_load": 5}}, "a table with distribution = 'NAME' is expected, not 5"),
-        ({"bearing": {"rollers": {"distribution": "normal", "scatter": 0.1}}}, "is no number with a unit"),
+        ({"bearing": {"rollers": {"distribution": "normal", "scatter": 0.1}}}, "is not a number with a unit"),
         ({"lubricant": {"pressure_viscosity": {"distribution": "normal", "scatter": 0.1}}},
          "mean: missing, and the scene has no value of its own"),
         ({"correlation": [{"between": ["a", "b"], "coefficient": 0.5}]}, "'a' has no distribution here"),

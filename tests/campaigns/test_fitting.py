@@ -818,7 +818,7 @@ def test_a_film_model_outside_its_regime_is_told():
         "film 'blok' is valid for the rigid-piezoviscous regime; 100 % of the rows is outside ("
         in told
     )
-    assert "where its film is off by -93 to +63 % there" in told
+    assert "where its film errs by -93 to +63 % there" in told
     assert "traction 'muraki' is valid for" not in told, "what is fitted makes up for its own error"
 
 

@@ -192,7 +192,7 @@ def test_speeds_of_a_plan_hold_those_of_its_ranges():
 
 
 #: Speeds of both rings of scene turbine [rpm], and the largest mean error of the contact forces. Half and twice of
-#: `_MIN_RATIO` exceed the first, half and twice of `_MAX_RATIO` the second one.
+#: `_MIN_CAGE_RATIO` exceed the first, half and twice of `_MAX_CAGE_RATIO` the second one.
 OF_BOTH_RINGS = {
     "against": ((2000.0, 12000.0), (-8000.0, -1000.0), 6e-4),
     "alike": ((2000.0, 12000.0), (2000.0, 11000.0), 0.0172),

@@ -185,7 +185,7 @@ def test_a_scheduler_that_is_killed_for_good_ends_the_run_and_another_engine_goe
         _, err = process.communicate(timeout=60)
     assert process.returncode == 2, err
     assert f"the dask scheduler {cluster.address} cannot be reached" in err
-    assert "what was done is kept; go on with: rollslip sweep resume s" in err
+    assert "what was done is stored; go on with: rollslip sweep resume s" in err
     gone_on_with(folder, reference, "--engine", "serial")
 
 

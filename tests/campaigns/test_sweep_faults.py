@@ -302,7 +302,7 @@ def test_a_journal_that_must_not_grow_ends_the_run_and_loses_nothing(folder):
         preexec_fn=limited,
     )
     assert "journal-000000.sqlite: cannot be written (" in done.stderr
-    assert "what was done is kept; go on with: rollslip sweep resume s" in done.stderr
+    assert "what was done is stored; go on with: rollslip sweep resume s" in done.stderr
     kept = 200 - point_states(folder / "s", 200).count(0)
     assert 0 < kept < 200
     said = json.loads(sweep(folder, "resume", "s", "--engine", "serial", "--json").stdout)

@@ -130,7 +130,7 @@ def test_a_package_of_it_is_written_from_its_own_templates(seals, tmp_path_facto
         (
             'name="seal"',
             'name="lip-seal"',
-            "rollslip_seals:SEAL is no Kind of that name; repair or uninstall",
+            "rollslip_seals:SEAL is not a Kind of that name; repair or uninstall",
         ),
     ],
 )
@@ -228,16 +228,16 @@ def test_a_group_that_nobody_reads_is_named(seals):
     assert code == 0
     read = "or is the package that brings the kind not installed?"
     assert (
-        f"rollslip-slip: rollslip.tracton: a group that nobody reads; did you mean rollslip.traction, {read}"
+        f"rollslip-slip: rollslip.tracton: a group that no package reads; did you mean rollslip.traction, {read}"
         in said
     )
     assert (
-        f"rollslip-felt: rollslip.gasket: a group that nobody reads; no kind has its name, {read}"
+        f"rollslip-felt: rollslip.gasket: a group that no package reads; no kind has its name, {read}"
         in said
     )
     (seals / "rollslip_seals.py").write_text("raise ValueError('half a kind')")
     code, said, _ = rollslip("doctor", path=seals)
     assert code == 5
-    assert "warning  rollslip-slip: rollslip.tracton  a group that nobody reads\n" in said
+    assert "warning  rollslip-slip: rollslip.tracton  a group that no package reads\n" in said
     assert "kind seal" in said
     assert "(ValueError: half a kind); repair or uninstall rollslip-seals" in said

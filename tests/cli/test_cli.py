@@ -371,7 +371,7 @@ def test_a_report_replaces_reports_only(tmp_path):
     command(*report, cwd=tmp_path)
     command(*report, cwd=tmp_path)
     (tmp_path / "r.html").write_text("<html>mine</html>")
-    assert "r.html: is no report of rollslip" in command(*report, cwd=tmp_path, code=2).stderr
+    assert "r.html: is not a report of rollslip" in command(*report, cwd=tmp_path, code=2).stderr
     assert (tmp_path / "r.html").read_text() == "<html>mine</html>"
 
 

@@ -80,7 +80,7 @@ def test_it_is_of_order_two_at_its_steps_and_between_them(problem):
 
 @pytest.mark.parametrize("problem", PROBLEMS)
 def test_within_a_step_it_is_as_near_as_at_its_end(problem):
-    """One step is off by the third power of its size: so is what lies between its ends, in places and speeds."""
+    """One step errs by the third power of its size: so is what lies between its ends, in places and speeds."""
     rates, exact, places, _ = PROBLEMS[problem]
     errors = []
     for h in (0.04, 0.02):

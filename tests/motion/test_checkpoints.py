@@ -498,7 +498,7 @@ def test_a_failing_plugin_leaves_what_was_computed(
     scene, tmp_path, uninterrupted, fault, code, says
 ):
     out, err = command(*RUN, cwd=tmp_path, code=code, **fault)
-    assert re.search(rf"^failed: .*{says}.*; what was computed is kept$", err, re.MULTILINE), err
+    assert re.search(rf"^failed: .*{says}.*; what was computed is stored$", err, re.MULTILINE), err
     found = open_result(tmp_path / "o" / "dynamics.nc")
     assert found.attrs["outcome"] == "failed"
     assert re.search(says, found.attrs["outcome_message"])

@@ -187,7 +187,7 @@ def test_beyond_that_it_ends_in_words(level):
 
 
 def test_it_is_renewed_where_it_is_off_by_what_is_allowed():
-    """At a tenth of the tolerance it is off by a tenth, in a third of the time."""
+    """At a tenth of the tolerance it errs by a tenth, in a third of the time."""
     moving = motion("pocket", "curve")
     told = []
     for tolerance in (1e-5, 1e-6):

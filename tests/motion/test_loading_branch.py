@@ -652,7 +652,7 @@ def test_the_slope_of_a_steady_slip_balances_truncation_and_rounding():
 
 
 def test_the_slip_after_a_jump_is_found_to_a_thousandth_of_its_logit():
-    """Where the torque rises in a step; with twice the tolerance it is off by 1.5e-3."""
+    """Where the torque rises in a step; with twice the tolerance it errs by 1.5e-3."""
 
     def torque(logit):
         return 2.0 + 0.01 * logit if logit > 1.0337 else math.exp(-((logit + 2.0) ** 2))
@@ -839,7 +839,7 @@ def test_a_slip_of_twice_a_likely_one_is_found_without_a_search_of_five_times_th
 
 
 def test_a_steady_slip_is_found_to_ten_digits():
-    """Where the torque has a step; with twice the tolerance it is off by 1.6e-10."""
+    """Where the torque has a step; with twice the tolerance it errs by 1.6e-10."""
 
     def torque(logit):
         slip = slip_from_logit(logit)

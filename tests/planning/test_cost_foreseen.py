@@ -33,7 +33,7 @@ def test_a_result_that_no_memory_holds_is_refused_before_anything_runs(study, se
     name, number = setting
     scene = evolve(load_scene("1032930-50C"), {f"study.{study}.{name}": number}, si=True)
     with pytest.raises(
-        SceneError, match=rf"study\.{study}\.{name} = 1e\+1[01] asks for at least .* GB of memory"
+        SceneError, match=rf"study\.{study}\.{name} = 1e\+1[01] needs at least .* GB of memory"
     ):
         plan(scene, study)
 
@@ -42,7 +42,7 @@ def test_of_map_and_curve_the_one_that_asks_for_most_is_named():
     """8 numbers of 8 bytes for each of 1e6 cage slips and 2e6 - 1 roller slips."""
     scene = evolve(load_scene(SCENE), {"study.effective-friction.map_points": 10**6})
     with pytest.raises(
-        SceneError, match=r"effective-friction\.map_points = 1e\+06 asks for at least 1\.3e\+05 GB"
+        SceneError, match=r"effective-friction\.map_points = 1e\+06 needs at least 1\.3e\+05 GB"
     ):
         plan(scene)
 
@@ -58,7 +58,7 @@ def test_memory_is_counted_in_bytes_and_enough_of_it_is_no_fault(monkeypatch):
     require_memory(studies, assembly)
     monkeypatch.setattr("rollslip.planning.plan._memory", lambda: 79_999.0)
     with pytest.raises(
-        SceneError, match=r"asks for at least 8e-05 GB of memory, and this machine has 8e-05 GB"
+        SceneError, match=r"needs at least 8e-05 GB of memory, and this machine has 8e-05 GB"
     ):
         require_memory(studies, assembly)
 
@@ -82,7 +82,7 @@ def test_nine_of_ten_runs_take_half_to_three_times_what_was_foreseen():
     ]
     assert len(once) >= 180
     assert sum(0.5 <= ratio <= 3.0 for ratio in once) >= 0.9 * len(once)
-    assert np.median(again) > np.median(once)  # "longer if the check of a result asks for more"
+    assert np.median(again) > np.median(once)  # "longer if the check of a result requires more"
 
 
 def test_what_takes_long_is_told_in_words():
@@ -98,7 +98,7 @@ def test_what_takes_long_is_told_in_words():
 
 def test_only_what_runs_again_may_take_longer_than_a_plan_tells():
     assembly = assemble(scene := load_scene(SCENE))
-    longer = "0.5 to 3 s, longer if the check of a result asks for more"
+    longer = "0.5 to 3 s, longer if the check of a result requires more"
     for name, told in (("effective-friction", longer), ("dynamics", "0.5 to 3 s")):
         assert format_time(1.0, settings(scene, name).values(), assembly) == told
     exact = assemble(evolve(scene, {"accuracy.tolerance": "exact"}))

@@ -1,4 +1,4 @@
-"""A run that is off by more than its tolerance says so: what a plan missed, a witness of other instants sees.
+"""A run that errs by more than its tolerance says so: what a plan missed, a witness of other instants sees.
 
 References are runs on other slices, instants and slips, at least four times as many of each; see promise_scenes.py.
 """
@@ -88,7 +88,7 @@ def test_rollers_that_jump_between_two_balances_are_told_of(as_planned):
     (said,) = (
         text
         for text in json.loads(result.attrs["warnings"])
-        if text.startswith("friction is off by about")
+        if text.startswith("friction errs by about")
     )
     assert f"about {row['found']:.1e}, more than the tolerance of 0.001" in said
     assert said.endswith("the positions; type --set accuracy.tolerance=exact")
@@ -113,7 +113,7 @@ def test_a_run_that_is_seen_to_be_off_is_made_again_and_says_so(as_planned):
     assert [
         text
         for text in json.loads(result.attrs["warnings"])
-        if text.startswith("friction is off by about")
+        if text.startswith("friction errs by about")
     ]
     (line,) = (
         one for one in json.loads(result.attrs["plan"]) if one["part"] == "load distribution"
@@ -272,7 +272,7 @@ def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
     bound = rows[FILM_AT_JUMPS]
     assert actual > 1e-3
     assert actual < bound < 10.0 * actual
-    said = f"film parameter, where rollers jump, is off by {bound:.1e} at most: it is that just"
+    said = f"film parameter, where rollers jump, errs by {bound:.1e} at most: it is that just"
     assert said in result.attrs["warnings"]
 
 
@@ -338,7 +338,7 @@ def test_too_few_slices_or_instants_are_seen(slices, n_positions):
     assert actual > 5e-4
     assert 1.0 / 3.0 <= found / actual <= 3.0
     assert any(
-        text.startswith("friction is off by about") for text in json.loads(result.attrs["warnings"])
+        text.startswith("friction errs by about") for text in json.loads(result.attrs["warnings"])
     )
 
 
@@ -347,7 +347,7 @@ def test_a_kept_word_has_no_warning():
     result = execute(made, STUDY)
     assert all(row["found"] <= row["tolerance"] for row in json.loads(result.attrs["accuracy"]))
     assert not any(
-        "--set accuracy." in text or " is off by about" in text
+        "--set accuracy." in text or " errs by about" in text
         for text in json.loads(result.attrs["warnings"])
     )
 
@@ -388,9 +388,9 @@ def test_what_slices_and_instants_hide_from_each_other_is_told():
     )
     assert error.total == {"friction": 1.3e-3, "cage slip": 3e-3}
     friction, slip = error_warnings(made, STUDY, error)
-    assert friction.startswith("friction is off by about 1.3e-03, more than the tolerance of 0.001")
+    assert friction.startswith("friction errs by about 1.3e-03, more than the tolerance of 0.001")
     assert "type --set accuracy.friction=" in friction
-    assert slip.startswith("cage slip is off by about 3.0e-03")
+    assert slip.startswith("cage slip errs by about 3.0e-03")
     assert "type --set accuracy.tolerance=" in slip
 
 

@@ -59,7 +59,7 @@ def comparison(resolution, **parts):
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 2.0])
 def test_an_error_is_told_from_what_finer_numbers_move_and_its_order_from_two(p, monkeypatch):
-    """Of a curve that is off by m^-p on m positions: four, and half as many, are compared with nine."""
+    """Of a curve that errs by m^-p on m positions: four, and half as many, are compared with nine."""
     monkeypatch.setattr(
         _ReferenceComparison,
         "solution",
@@ -163,7 +163,7 @@ def test_the_error_of_what_was_left_out_is_its_whole_change():
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 1.5, 2.0])
 def test_the_error_of_slices_that_are_refined_is_exact_at_any_order(p, monkeypatch):
-    """Friction that is off by n^-p/1e6 on n slices, of a first run with 25 and a second with 100 slices."""
+    """Friction that errs by n^-p/1e6 on n slices, of a first run with 25 and a second with 100 slices."""
 
     def estimate(slices):
         assembly = SimpleNamespace(resolution=Resolution(slices=slices, n_positions=2))
@@ -284,7 +284,7 @@ def test_an_error_beyond_its_tolerance_is_told_with_what_to_type(plan):
     (said,) = error_warnings(plan, "effective-friction", off)
     # half of the tolerance at a quarter of the error, which falls with the order of the positions as the first power
     assert said == (
-        "friction is off by about 4.0e-03, more than the tolerance of 0.001, as positions and slices other than those "
+        "friction errs by about 4.0e-03, more than the tolerance of 0.001, as positions and slices other than those "
         "of the run show; it falls with the order 1.0 of the positions; type --set accuracy.friction=3e-05"
     )
 
@@ -331,7 +331,7 @@ def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
 
 
 def test_a_limit_drag_with_play_is_verified_by_one_with_play():
-    """By one of rollers that are set in the cage it was off by 1.2 %, and the tolerance of 1 % not kept."""
+    """By one of rollers that are set in the cage it erred by 1.2 %, and the tolerance of 1 % not kept."""
     scene = new(
         "NU2210", oil="iso-vg-68", speed="3000 rpm", load="3 kN", temperature="60 degC", cage="polyamide"
     )  # fmt: skip
@@ -371,7 +371,7 @@ def test_a_tolerance_that_the_finest_result_does_not_confirm_is_told(method, pla
     one, other = json.loads(verification.verify(fake, "x", result)["warnings"])
     fake.scene = evolve(plan.scene, {"accuracy.tolerance": "exact"})
     assert json.loads(verification.verify(fake, "x", result)["warnings"]) == [other]
-    assert one.startswith(f"friction is off by 2.0e-03 {method}, more than the tolerance of 0.001")
+    assert one.startswith(f"friction errs by 2.0e-03 {method}, more than the tolerance of 0.001")
     assert other.startswith(
         "critical slip has a value either here or in the finer result, but not in both"
     )

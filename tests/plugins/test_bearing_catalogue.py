@@ -277,7 +277,7 @@ def test_insides_that_others_print_are_met_within_one_roller(name, rollers, diam
     middle = (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter) / 2
     assert middle == pytest.approx(
         1e-3 * pitch, rel=0.02
-    )  # of series 4 the worst is off by 3 %, of others by 1.4 %
+    )  # of series 4 the worst errs by 3 %, of others by 1.4 %
 
 
 def test_the_scatter_of_each_rule_is_that_of_the_table_of_errors():

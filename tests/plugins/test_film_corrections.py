@@ -391,7 +391,7 @@ def test_the_plan_says_what_the_scene_asks_for(film, included, choice):
     )
     assert (part.included, part.choice) == (included, choice)
     assert part.reason == (
-        f"film model '{film['model']}' asks for it" if included else "the scene does not ask for it"
+        f"film model '{film['model']}' requires it" if included else "the scene does not ask for it"
     )
 
 

@@ -545,7 +545,7 @@ def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     done = CliRunner().invoke(cli, [*requested, *turned])
     assert isinstance(done.exception, DomainError)
     assert str(done.exception).startswith(
-        "effective-friction failed, what others found is kept: at a cage slip of "
+        "effective-friction failed, what others found is stored: at a cage slip of "
     )
     assert "\n  cage slip            below 0.1 %" in done.stdout
     assert "  notes    effective-friction failed, see below\n" in done.stdout
@@ -677,7 +677,7 @@ def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is
         "film blok: the rigid-piezoviscous regime; " in regimes["valid for"]
     )  # each law has one of its own
     assert regimes["valid for"].endswith("film martin: the rigid-isoviscous regime")
-    assert "film martin: its film is off by " in regimes["outside"]
+    assert "film martin: its film errs by " in regimes["outside"]
     roughness = json.loads(CliRunner().invoke(cli, ["explain", "W02", "--json"]).stdout)
     assert "film moes" in roughness["laws"]
     assert "film moes" not in roughness["outside"]  # where all say the same nobody is named

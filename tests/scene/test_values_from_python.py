@@ -80,7 +80,7 @@ def test_a_scene_is_taken_by_its_name():
 
 def test_a_key_that_no_oil_has_is_refused_at_once():
     with pytest.raises(
-        SceneError, match=r"'lubricant\.viscositty' is no key, did you mean 'viscosity'\?"
+        SceneError, match=r"'lubricant\.viscositty' is not a key, did you mean 'viscosity'\?"
     ):
         evolve(PAPER, {"lubricant.viscositty": 0.01}, si=True)
 

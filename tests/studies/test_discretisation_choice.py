@@ -109,7 +109,7 @@ def bearing(resolution):
 
 
 class Coarse(Study):
-    """A study whose curve is off by 3/n^2 on n slices, and by B/m^2 on m positions."""
+    """A study whose curve errs by 3/n^2 on n slices, and by B/m^2 on m positions."""
 
     is_averaged = True
 

@@ -451,7 +451,7 @@ def test_a_plan_says_what_it_chose_and_why():
 def test_an_exact_result_takes_the_finer_way():
     found = choose_motion(Dynamics(duration=1e-6), bearing(accuracy__tolerance="exact"), ())
     assert found.settings == {"friction": "conventional", "level": "pocket"}
-    assert found.reasons["level"] == "an exact result is asked for"
+    assert found.reasons["level"] == "an exact result is requested"
 
 
 @pytest.mark.parametrize("setting", ["friction", "level", "integrator"])

@@ -156,7 +156,7 @@ def test_any_single_output_of_a_study_may_be_measured(tmp_path):
         ([HEAD, "1, 2, -1"], r"slip.csv:2: cage_slip_uncertainty: '-1' is below zero"),
         ([HEAD, "-1, 2, 1"], r"slip.csv:2: operation.radial_load: must be"),
         ([f"{HEAD}, cage_slip [%]", "1, 2, 1, 2"], "cage_slip stands there twice"),
-        (["cage_slp [%], cage_slip_uncertainty [%]", "1, 2"], "'cage_slp': is no known column; did you mean"),
+        (["cage_slp [%], cage_slip_uncertainty [%]", "1, 2"], "'cage_slp': is not a known column; did you mean"),
         (["slip [%], cage_slip_uncertainty [%]", "1, 2"], "did you mean 'cage_slip'"),
         (["radial_lod [kN], cage_slip [%]", "1, 2"], "did you mean 'operation.radial_load'"),
         (["radial_load [kN]", "1"], "no column has a measured value; there are .*cage_slip"),

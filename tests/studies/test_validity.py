@@ -479,7 +479,7 @@ def test_warnings_come_by_share_times_consequence_and_small_ones_are_counted():
     assert rest == (
         "laws are outside their range of validity, too, where the consequence is not known or below "
         "accuracy.tolerance = 0.01: traction 'made-for-slow' (sliding speed <= 2.5 m/s; 75 % outside); rollslip run "
-        "of the scene tells of each"
+        "of the scene lists each"
     )
 
 

@@ -777,7 +777,7 @@ class Softens(Springs):
 
 @breaks("check_stiffness_is_the_derivative_of_the_load")
 class AnotherSlope(Springs):
-    """The stiffness is off by 1e-6."""
+    """The stiffness errs by 1e-6."""
 
     def evaluate(self, slices):
         super().evaluate(slices)
@@ -1004,7 +1004,7 @@ OILS = {  # what is wrong with it, for the table: a value has no docstring
         "check_viscosity_falls_with_temperature",
         oil(viscosity=_Bump(Vogel(1e-4, 800.0, 170.0))),
     ),
-    "the slope of its viscosity law is off by 1e-3": (
+    "the slope of its viscosity law errs by 1e-3": (
         "check_slopes_are_those_of_its_laws",
         oil(viscosity=_OtherSlope(Vogel(1e-4, 800.0, 170.0))),
     ),

@@ -255,7 +255,9 @@ def interrupt_twice(folder: Path, reference, *engine: object) -> None:
     pressed(process)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 130, err
-    assert "interrupted at once; what was done is kept; go on with: rollslip sweep resume s" in err
+    assert (
+        "interrupted at once; what was done is stored; go on with: rollslip sweep resume s" in err
+    )
     assert "Traceback" not in err
     until(lambda: not processes_of(process), 15.0)
     gone_on_with(folder, reference, *engine)

@@ -91,7 +91,7 @@ def the_journal_grows_until_the_disk_is_full(folder: Path, *engine: str) -> None
         "journal-000000.sqlite: cannot be written (database or disk is full); free space"
         in done.stderr
     )
-    assert "what was done is kept; go on with: rollslip sweep resume s" in done.stderr
+    assert "what was done is stored; go on with: rollslip sweep resume s" in done.stderr
     whole(folder / "s")
     kept = 200 - point_states(folder / "s", 200).count(0)
     assert 0 < kept < 200

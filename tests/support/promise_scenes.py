@@ -5,7 +5,7 @@ one bearing, these are bearings of any size, speed, load, oil, film, law, closur
 depends on k alone, so that any slice of them can be run by itself.
 
 A result is held against one on other slices (Gauss and Legendre), other instants and other slips, each at least four
-times as many, and twice that where the verdict is close. It is *silent* if it is off by more than the tolerance and no
+times as many, and twice that where the verdict is close. It is *silent* if it errs by more than the tolerance and no
 warning says so.
 """
 

@@ -216,7 +216,7 @@ def test_an_expected_failure_has_to_happen_and_a_reason():
         in finding["check_film_is_positive"].message
     )
     with pytest.raises(
-        PluginError, match="'check_film_is_nice', which is no check; there are: check_a"
+        PluginError, match="'check_film_is_nice', which is not a check; there are: check_a"
     ):
         conformance(model, {"check_film_is_nice": "it is not"})
     with pytest.raises(

@@ -90,7 +90,7 @@ class LocalLimit(TractionModel):
         viscosity, _ = self.law.at(s.conditions, pressure)
         finite = np.minimum(
             viscosity, 1e30
-        )  # beyond it the limit decides, and infinity times no speed is no number
+        )  # beyond it the limit decides, and infinity times no speed is not a number
         newtonian = finite * np.abs(s.sliding_speed) / s.film_thickness
         stress = WEIGHTS @ np.minimum(newtonian, self.limit * pressure)
         s.friction[...] = np.sign(s.sliding_speed) * stress / s.pressure

@@ -34,7 +34,7 @@ COARSER_TABLES: Final = (
     "accuracy.cage_speed where the scene has them"
 )
 #: Slices of a scene that is run without a plan. Doubling it divides the error of the quadrature by four and doubles the
-#: time. ISO/TS 16281 asks for at least 30; chosen three times as fine.
+#: time. ISO/TS 16281 needs at least 30; chosen three times as fine.
 _DEFAULT_SLICES: Final = 101
 #: Slices of the reference resolution. Doubling it doubles the time of every verification. Chosen so that the error of
 #: the reference, a 64th of that with 101 slices, does not count.

@@ -134,7 +134,7 @@ def get_kind(name: str) -> Kind:
         blame = f"kind {name!r} of package {package} cannot be imported ({describe_error(error)})"
         raise PluginError(f"{blame}; repair or uninstall {package}") from error
     if not isinstance(kind, Kind) or kind.name != name:
-        blame = f"kind {name!r} of package {package}: {point.value} is no Kind of that name"
+        blame = f"kind {name!r} of package {package}: {point.value} is not a Kind of that name"
         raise PluginError(f"{blame}; repair or uninstall {package}")
     return kind
 

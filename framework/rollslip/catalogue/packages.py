@@ -65,7 +65,7 @@ def unread() -> dict[str, str]:
                         else "no kind has its name"
                     )
                     messages[f"{distribution.name}: {group}"] = (
-                        f"a group that nobody reads; {hint}, or is the package that brings the kind not installed?"
+                        f"a group that no package reads; {hint}, or is the package that brings the kind not installed?"
                     )
     return dict(sorted(messages.items()))
 

@@ -295,10 +295,10 @@ def _run_in_folder(
                 lambda text: printing.log([text]),
             )
     except KeyboardInterrupt:
-        click.echo(f"interrupted; what was done is kept; {_resume_hint(results)}", err=True)
+        click.echo(f"interrupted; what was done is stored; {_resume_hint(results)}", err=True)
         sys.exit(INTERRUPTED)
     except EngineError as error:
-        raise EngineError(f"{error}\nwhat was done is kept; {_resume_hint(results)}") from error
+        raise EngineError(f"{error}\nwhat was done is stored; {_resume_hint(results)}") from error
     results.show({name: dataset}, results.target)
     return dataset
 

@@ -265,7 +265,9 @@ def _compare(
         with progress("measured points") as show:
             return with_measured(datasets, points, planned.scene, show)
     except KeyboardInterrupt:
-        click.echo("interrupted: measured points are not compared; the results are kept", err=True)
+        click.echo(
+            "interrupted: measured points are not compared; the results are stored", err=True
+        )
         return datasets
 
 
@@ -288,10 +290,10 @@ def _exit_unless_finished(
         sys.exit(INTERRUPTED)
     if "failed" in outcomes:
         failed = outcomes["failed"].attrs
-        click.echo(f"failed: {failed['outcome_message']}; what was computed is kept", err=True)
+        click.echo(f"failed: {failed['outcome_message']}; what was computed is stored", err=True)
         sys.exit({"model": BAD_PLUGIN, "domain": BAD_SCENE}.get(failed["failed_by"], NOT_CONVERGED))
     for name, failure in failures.items():
-        raise type(failure)(f"{name} failed, what others found is kept: {failure}") from failure
+        raise type(failure)(f"{name} failed, what others found is stored: {failure}") from failure
 
 
 def _run_studies(

@@ -48,7 +48,7 @@ class PressureViscosity(SliceModel):
     def log_kernel(self) -> object | None:
         """Return a compiled form that fills ``film_viscosity`` with ln(eta/(Pa s)), or None: then `kernel` is called.
 
-        A traction law that takes several pressures of a contact asks for it. It needs no exponential and overflows at
+        A traction law that takes several pressures of a contact requires it. It needs no exponential and overflows at
         no pressure.
         """
         return None

@@ -185,9 +185,7 @@ def in_regime(name: str, error: tuple[float, float] | None) -> tuple[Validity, .
     if error is not None:
         low = math.floor(error[0])
         high = math.ceil(error[1])
-        deviation = (
-            f"is off by {low:+d} to {high:+d} % there, over M of 0.1 to 200 and L of 0 to 15"
-        )
+        deviation = f"errs by {low:+d} to {high:+d} % there, over M of 0.1 to 200 and L of 0 to 15"
         source = "reynolds-line: docs/scripts/film_error_map.py"
     remedy = "film 'moes', which covers all regimes"
     return (

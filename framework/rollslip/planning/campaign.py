@@ -135,7 +135,7 @@ class Campaign(abc.ABC):
         ]
         if faults:
             raise SceneError(
-                [f"{fault}; rollslip {self.name} --help tells of all options" for fault in faults]
+                [f"{fault}; rollslip {self.name} --help lists all options" for fault in faults]
             )
 
     @abc.abstractmethod
@@ -276,7 +276,7 @@ class OfPoints(OfScene):
         default=None,
         metadata=setting(
             "",
-            details="Folder in which all is kept; a call with the same scene and options goes on with "
+            details="Folder in which all is stored; a call with the same scene and options goes on with "
             "what it holds.",
         ).metadata,
     )

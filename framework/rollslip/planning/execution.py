@@ -212,7 +212,7 @@ def compute(
                 break
             if (finer := refine_resolution(running, assembly, choice, error)) is None:
                 break
-            _log.info("%s runs again, finer: it was off by more than its tolerance", study)
+            _log.info("%s runs again, finer: it erred by more than its tolerance", study)
             first = first or error
             plan = plan.refined(study, finer)
             if progress is not None:

@@ -131,7 +131,7 @@ def format_time(
     """
     text = duration_range(seconds) + purpose
     if any(study.may_run_again(assembly) for study in studies):
-        text += ", longer if the check of a result asks for more"
+        text += ", longer if the check of a result requires more"
     return text
 
 
@@ -363,5 +363,5 @@ def _inlet(film: FilmModel) -> Part:
         part="thermal inlet shear",
         choice=choice,
         resolution="every loaded slice",
-        reason=f"film model {film.name!r} asks for it",
+        reason=f"film model {film.name!r} requires it",
     )

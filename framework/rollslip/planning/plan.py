@@ -4,7 +4,7 @@ A plan is made before anything runs, and executed as printed: a run takes the st
 resolution that was chosen for them (`rollslip.studies.discretisation.choice`), from the plan.
 
 The cost is estimated before the run. Time is the larger one of the estimate and of a lower bound by the number of
-evaluations. Estimates from small parts may be off by a factor of two or three, so that nothing is refused for its time.
+evaluations. Estimates from small parts may err by a factor of two or three, so that nothing is refused for its time.
 A result that does not fit into the memory of the machine is refused, because it would end the process, or other work of
 the machine, after minutes.
 """
@@ -421,7 +421,7 @@ def require_memory(studies: Mapping[str, Study], assembly: Assembly) -> None:
         if needed > memory:
             setting = max(numbers, key=numbers.__getitem__)
             problems.append(
-                f"{study.table}.{setting} = {getattr(study, setting):g} asks for at least {_size(needed)} of memory, "
+                f"{study.table}.{setting} = {getattr(study, setting):g} needs at least {_size(needed)} of memory, "
                 f"and this machine has {_size(memory)}; lower it"
             )
     raise_problems(problems)

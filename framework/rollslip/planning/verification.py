@@ -65,9 +65,7 @@ def error_warnings(plan: Plan, study: str, error: ErrorEstimate) -> list[str]:
         if accuracy.of(result) == EXACT or result in by_stated_slices:
             continue
         if result in irreducible:
-            warnings.append(
-                f"{result} is off by {relative_error:.1e} at most: {irreducible[result]}"
-            )
+            warnings.append(f"{result} errs by {relative_error:.1e} at most: {irreducible[result]}")
         else:
             excess = _excess(result, relative_error, accuracy, error)
             warnings.append(f"{excess}; {_remedy(plan, study, result, relative_error, error)}")
@@ -85,7 +83,7 @@ def _excess(result: str, relative_error: float, accuracy: Accuracy, error: Error
         if error.orders[result] < MIN_ORDER:
             convergence = "; it does not fall with the positions"
     return (
-        f"{name} is off by about {relative_error:.1e}, more than the tolerance of {accuracy.of(result):g}, as "
+        f"{name} errs by about {relative_error:.1e}, more than the tolerance of {accuracy.of(result):g}, as "
         f"positions and slices other than those of the run show{convergence}"
     )
 
@@ -163,7 +161,7 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     errors = errors_between(controlled.controlled_outputs, dataset, fine)
     rows = accuracy_rows(plan, study, errors, method)
     exceeded = [
-        f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} {method}, more than the tolerance of "
+        f"{row['result'].replace('_', ' ')} errs by {row['found']:.1e} {method}, more than the tolerance of "
         f"{row['tolerance']:g}; run with a smaller accuracy.{row['result']}"
         for row in rows
         if row["found"] is not None and row["found"] > row["tolerance"] > EXACT

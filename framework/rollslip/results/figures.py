@@ -255,7 +255,7 @@ def report(
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
     if out.exists() and not is_report(out):
         raise OutputError(
-            f"{out}: is no report of rollslip, so it is not replaced; name another --out"
+            f"{out}: is not a report of rollslip, so it is not replaced; name another --out"
         )
     datasets, sources = _named_datasets(results)
     figures = {}

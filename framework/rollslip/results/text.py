@@ -113,7 +113,7 @@ class Status(enum.StrEnum):
 LAW: Final = "law"
 #: Error of effective friction near the onset of skidding; from docs/tables/skidding_effective_summary.csv.
 EFFECTIVE_FRICTION_ERROR: Final = (
-    "by effective friction the limit drag torque is off by 2.7 % in the median of 62 random bearings and by up to "
+    "by effective friction the limit drag torque errs by 2.7 % in the median of 62 random bearings and by up to "
     "23 %, the slip by up to 41 points"
 )
 
@@ -140,7 +140,7 @@ OTHER_BOUNDS: Final = "laws are outside their range of validity, too, where the 
 #: chosen.
 _MAX_SHOWN_BOUNDS: Final = 3
 #: Slip below which it is printed as "below 0.1 %", and to which errors of smaller slips are relative. Doubled, a slip
-#: of 0.1 % may be off by twice the tolerance; halved, trials resolve slips that nobody reads. Chosen.
+#: of 0.1 % may err by twice the tolerance; halved, trials resolve slips that nobody reads. Chosen.
 SMALLEST_SLIP: Final = 1e-3
 #: Number of names up to which a variable gives one line for each of its values. Doubling it prints up to 16 lines for
 #: one variable; chosen so that rings, makers and sources are listed and curves are not.

@@ -236,7 +236,7 @@ def _requested_path(key: str, value: object) -> tuple[str, ...]:
         raise ValueError(f"takes no name; write {_NAME_KEYS[key.strip()]}={value}")
     if path[0] == "lubricant" and len(path) > 1 and path[1] not in _OIL_KEYS:
         near = nearest(path[1], _OIL_KEYS, count=1)
-        raise ValueError(f"is no key{f', did you mean {near[0]!r}?' if near else ''}")
+        raise ValueError(f"is not a key{f', did you mean {near[0]!r}?' if near else ''}")
     return path
 
 

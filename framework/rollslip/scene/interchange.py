@@ -188,7 +188,7 @@ def _finite(value: object) -> bool:
 
 def _refuse_constant(text: str) -> float:
     """Refuse NaN and Infinity, which are not numbers of JSON."""
-    raise ValueError(f"{text} is no number")
+    raise ValueError(f"{text} is not a number")
 
 
 # Files --------------------------------------------------------------------------------------------------------------

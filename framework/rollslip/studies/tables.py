@@ -212,7 +212,7 @@ def _parse_head(
             )
             reason = f"did you mean {near[0]!r}?" if near else ""
             reason = reason or describe_unknown_key(key, dict(known))
-            problems.append(f"{place}: {as_written(name)}: is no known column; {reason}")
+            problems.append(f"{place}: {as_written(name)}: is not a known column; {reason}")
             return None
         column = Column(key, unit, known[key])
     if fault := _fault_of_unit(name, column):

@@ -246,7 +246,7 @@ def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
         values = getattr(slices.conditions, name)
     else:
         raise KeyError(
-            f"{model.name!r} states its validity or its regimes in {name!r}, which is no quantity"
+            f"{model.name!r} states its validity or its regimes in {name!r}, which is not a quantity"
         )
     return np.broadcast_to(np.asarray(values, dtype=float), (len(slices),))
 
@@ -524,7 +524,7 @@ def warning_texts(messages: Sequence[ValidityMessage], tolerance: float = 0.0) -
     below = f" or below accuracy.tolerance = {tolerance:g}" if tolerance > 0.0 else ""
     return [
         *texts,
-        f"{OTHER_BOUNDS} not known{below}: {'; '.join(others)}; rollslip run of the scene tells of each",
+        f"{OTHER_BOUNDS} not known{below}: {'; '.join(others)}; rollslip run of the scene lists each",
     ]
 
 

@@ -193,7 +193,7 @@ def check_describes_its_unit_and_limits(model: DamageModel) -> None:
     try:
         check_unit(model.unit)
     except UnitError as error:
-        raise Nonconformance(f"unit {model.unit!r} is no SI unit: {error}") from error
+        raise Nonconformance(f"unit {model.unit!r} is not an SI unit: {error}") from error
     refuse_unless(
         model.worst in ("largest", "smallest"),
         f"worst is {model.worst!r}; it is largest or smallest",

@@ -135,7 +135,7 @@ def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(
     for bound in model.validity:
         refuse_unless(
             isinstance(bound, Validity),
-            f"validity holds {bound!r}, which is no rollslip.models.Validity",
+            f"validity holds {bound!r}, which is not a rollslip.models.Validity",
         )
         where = f"validity in {bound.quantity!r}"
         refuse_unless(
@@ -248,7 +248,7 @@ def check_takes_read_only_inputs(model: SliceModel) -> None:
             model.evaluate(Slices.of_columns(slices.conditions, columns))
     except (ValueError, AttributeError) as error:
         raise Nonconformance(
-            f"evaluate() asks for more than it reads, or writes to it: {error}"
+            f"evaluate() takes more than it reads, or writes to it: {error}"
         ) from error
 
 

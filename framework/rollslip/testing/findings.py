@@ -67,7 +67,7 @@ def expected_of(model: object, given: Mapping[str, str]) -> dict[str, str]:
     for check, reason in expected.items():
         if check not in known:
             raise PluginError(
-                f"expected_failures names {check!r}, which is no check; there are: {', '.join(sorted(known))}"
+                f"expected_failures names {check!r}, which is not a check; there are: {', '.join(sorted(known))}"
             )
         if not isinstance(reason, str) or not reason.strip():
             raise PluginError(

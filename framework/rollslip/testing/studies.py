@@ -148,7 +148,7 @@ def check_missing_outputs_have_a_status(study: Study) -> None:
                 not empty.any(), f"{name} is NaN, and its status {output.status!r} is empty"
             )
     unknown = {output.status for output in study.outputs.values()} - {"", *study.outputs}
-    refuse_unless(not unknown, f"status {', '.join(sorted(unknown))} is no output of its own")
+    refuse_unless(not unknown, f"status {', '.join(sorted(unknown))} is not an output of its own")
 
 
 @rule(Study)
@@ -160,11 +160,11 @@ def check_compared_quantity_is_an_output(study: Study) -> None:
             f"controlled_outputs names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}",
         )
         refuse_unless(
-            name in study.outputs, f"controlled_outputs names {name!r}, which is no output"
+            name in study.outputs, f"controlled_outputs names {name!r}, which is not an output"
         )
         values = np.asarray(_value(_result(study), name))
         refuse_unless(
-            values.dtype.kind == "f", f"{name} is compared with a tolerance, but is no number"
+            values.dtype.kind == "f", f"{name} is compared with a tolerance, but is not a number"
         )
         none = np.all(values == 0.0) and not study.outputs[name].floor
         refuse_unless(
@@ -172,7 +172,7 @@ def check_compared_quantity_is_an_output(study: Study) -> None:
             f"{name} is 0, so that it has no relative error; give the size that counts as none, Output(floor=)",
         )
     unknown = ", ".join(sorted(study.affected_by - set(AXES)))
-    refuse_unless(not unknown, f"affected_by names {unknown}, which nobody can choose")
+    refuse_unless(not unknown, f"affected_by names {unknown}, which are not numerical choices")
 
 
 @rule(Study)
@@ -299,7 +299,7 @@ def check_it_is_planned(study: Study) -> None:
     for line in lines:
         refuse_unless(
             isinstance(line, Part) and bool(line.part and line.reason),
-            f"{line!r} is no line of a plan",
+            f"{line!r} is not a line of a plan",
         )
     total = sum(line.seconds or 0.0 for line in lines)
     refuse_unless(
@@ -410,7 +410,7 @@ def check_a_campaign_gives_the_same_bits_twice(campaign: type[Campaign]) -> None
         raise Inapplicable(f"it does not run by a scene alone {', '.join(required)}".rstrip())
     first, second = (_campaign_result(campaign) for _ in range(2))
     if not isinstance(first, xr.Dataset):
-        raise Inapplicable("its result is no dataset")
+        raise Inapplicable("its result is not a dataset")
     refuse_unless(len(first.data_vars), "its result has no variables")
     for name in first.data_vars.keys() - _TIMES:
         refuse_unless(

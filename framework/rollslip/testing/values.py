@@ -51,7 +51,7 @@ def check_is_frozen(model: Any) -> None:
     """A model is shared between threads, plans and results, so nobody may change it."""
     cls = type(model)
     refuse_unless(
-        attrs.has(cls), f"{cls.__qualname__} is no attrs class; decorate it with @attrs.frozen"
+        attrs.has(cls), f"{cls.__qualname__} is not an attrs class; decorate it with @attrs.frozen"
     )
     for name in [*(attribute.name for attribute in attrs.fields(cls)), "an_attribute_of_nobody"]:
         with suppress(AttributeError):

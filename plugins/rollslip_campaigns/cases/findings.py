@@ -137,7 +137,7 @@ def _describe_interpolation(dataset: "xr.Dataset") -> list[str]:
     error = percent(float(dataset.attrs["interpolation_error"]))
     checked = dataset.attrs["checked_cases"]
     return [
-        f"{count} of {dataset.sizes['case']} cases are interpolated: {checked} drawn at random are off by up to {error}"
+        f"{count} of {dataset.sizes['case']} cases are interpolated: {checked} drawn at random err by up to {error}"
     ]
 
 

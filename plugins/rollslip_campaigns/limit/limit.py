@@ -372,8 +372,8 @@ def _describe_errors(search: Limit) -> list[str]:
     """Messages on results whose error is above the tolerance."""
     where = f"with the scene's own {search.axis.key} or at an end of its range"
     return [
-        f"{name.replace('_', ' ')} is off by about {error:.1e} {where}, more than the tolerance of "
-        f"{search.sweep.scene.accuracy.of(name):g}: the limit is off by what this makes of it"
+        f"{name.replace('_', ' ')} errs by about {error:.1e} {where}, more than the tolerance of "
+        f"{search.sweep.scene.accuracy.of(name):g}: the limit errs accordingly"
         if math.isfinite(error)
         else f"how far {name.replace('_', ' ')} is off {where} cannot be determined"
         for name, error in search.errors.items()

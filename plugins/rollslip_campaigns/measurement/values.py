@@ -128,7 +128,7 @@ class SourceTable:
 class SeriesTable:
     """Rows of one quantity."""
 
-    name: str = _text("what tells it from the others, in a few words")
+    name: str = _text("what distinguishes it from the others, in a few words")
     quantity: str = _text("what was measured")
     unit: str = _text("SI unit of the variable of a study", "")
     at: FrozenTable = field(
@@ -140,7 +140,7 @@ class SeriesTable:
     data: str = _text("file of the rows, beside this one")
     uncertainty: str = _text("what the column of uncertainty rests on")
     reading_error: float | None = field(
-        doc="standard error of reading it off a figure, as a share of the value",
+        doc="standard error of reading it off a figure, as a fraction of the value",
         unit="1",
         default=None,
         validator=attrs.validators.optional(positive),
@@ -173,7 +173,7 @@ class StatementTable:
         doc="how the values go along the steps, or where they lie", validator=choice_of(*EXPECTED)
     )
     by: float = field(
-        doc="least change from step to step that counts, as a share of the value before",
+        doc="least change from step to step that counts, as a fraction of the value before",
         unit="1",
         default=0.02,
         validator=positive,

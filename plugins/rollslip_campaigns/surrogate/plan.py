@@ -67,12 +67,12 @@ _RING_SPEEDS: Final = 9
 #: force, 0.25 % of that at 1, hardly changes contact forces. Half the value makes their mean error 1.8 times as large
 #: where rings of gearbox, turbine and 1032930-70C turn against each other, because nodes lie farther apart; twice the
 #: value changes it by 0.9 to 1.9 times. Chosen.
-_MIN_RATIO: Final = 0.05
+_MIN_CAGE_RATIO: Final = 0.05
 #: Largest ratio of tables; it has no bound where both rings turn alike and nothing rolls. There the mean error of
 #: contact forces is 0.2 % in gearbox, 1.7 % in turbine and 1.0 % in 1032930-70C. Half the value makes it 1.8 times as
 #: large, because more ratios lie beyond the tables; twice the value makes it 0.85, 1.05 and 0.5 times as large, because
 #: nodes lie farther apart, too. Chosen.
-_MAX_RATIO: Final = 50.0
+_MAX_CAGE_RATIO: Final = 50.0
 #: SI units of the quantities in `OPERATION_KEYS`, in their order.
 UNITS: Final = ("K", "N", "rad/s", "rad/s")
 
@@ -306,8 +306,8 @@ def _speed_bounds(
     if not outer.any():
         return slow, fast, 1.0, 1.0
     rho = np.abs(Ri * inner + Ro * outer)[u != 0.0] / (Ri + Ro) * Ro / np.abs(u[u != 0.0])
-    upper = min(float(rho.max()), _MAX_RATIO)
-    lower = max(float(rho.min()), _MIN_RATIO * min(upper, 1.0))
+    upper = min(float(rho.max()), _MAX_CAGE_RATIO)
+    lower = max(float(rho.min()), _MIN_CAGE_RATIO * min(upper, 1.0))
     return slow, fast, lower, upper if upper > lower else 2.0 * lower
 
 

@@ -179,13 +179,13 @@ def _run_sweep(
                 report=lambda now: show(*now.summary),
             )
     except KeyboardInterrupt:
-        click.echo(f"interrupted at once; what was done is kept; {resume}", err=True)
+        click.echo(f"interrupted at once; what was done is stored; {resume}", err=True)
         sys.stdout.flush()
         os._exit(INTERRUPTED)  # sys.exit would wait for threads that still compute
     except BusyError:
         raise
     except (EngineError, OutputError) as error:
-        raise type(error)(f"{error}\nwhat was done is kept; {resume}") from error
+        raise type(error)(f"{error}\nwhat was done is stored; {resume}") from error
     if outcome.interrupted:
         click.echo(f"interrupted: {sweep_progress(outcome.progress)}; {resume}", err=True)
         sys.exit(INTERRUPTED)
@@ -198,7 +198,7 @@ def _run_sweep(
             printing.show(dataset, results, scene, planned.messages)
         _exit_unless_done(dataset, folder, resume)
     except KeyboardInterrupt:
-        click.echo(f"interrupted; all points are kept; {resume}", err=True)
+        click.echo(f"interrupted; all points are stored; {resume}", err=True)
         sys.exit(INTERRUPTED)
 
 

@@ -159,8 +159,8 @@ class ScuffingAgma(BulkAndFlash):
     Symbols:
 
     - T: temperature of the surfaces, as of ``contact-temperature`` [K]
-    - T_S: temperature at which the share P (``risk``) of gears scuff, counted in degC; z is the quantile of the normal
-      distribution [degC]
+    - T_S: temperature at which the fraction P (``risk``) of gears scuff, counted in degC; z is the quantile of the
+      normal distribution [degC]
     - T_m: mean scuffing temperature, of mineral oils without and with antiscuff additives, of MIL-PRF-7808 and of
       MIL-PRF-23699, the last two on steel AISI 9310 (``oil``); by default that of the scene's oil, which is taken for a
       mineral one without additives where it does not say what it is made of [degC]
@@ -204,7 +204,7 @@ class ScuffingAgma(BulkAndFlash):
     risk: float = parameter(
         default=0.1,
         unit="1",
-        doc="share of gears that scuff at the limit",
+        doc="fraction of gears that scuff at the limit",
         validator=in_range(0.0, 1.0, open=True),
         usual=(0.001, 0.9),
         possible=(0, 1),

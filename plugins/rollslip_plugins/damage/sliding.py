@@ -125,7 +125,7 @@ class PassEnergy(DamageModel):
     - v: speed of the surface relative to the contact [m/s]; of the slower one, which takes longer, unless ``surface``
       names another
 
-    All of the heat is counted to that surface, whatever share of it flows there.
+    All of the heat is counted to that surface, whatever fraction of it flows there.
 
     Range: surfaces that move through their contact.
 

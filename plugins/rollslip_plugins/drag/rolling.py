@@ -401,19 +401,19 @@ class Hysteresis(ResistanceModel):
     """Resistance of steel that gives back a little less work than it takes: F = f k w b/(3 pi R).
 
     Rolling by a unit of length the front half of the contact takes up the work int_0^b p (x/R) dx = 2 w b/(3 pi R), of
-    which the share k is lost; the two surfaces resist with half of that each.
+    which the fraction k is lost; the two surfaces resist with half of that each.
 
     Symbols:
 
     - F: force on each surface for a unit of length [N/m]
     - f: factor for calibration and scatter (``factor``), 1 by default [1]
-    - k: share of the work that is lost (``loss``) [1]
+    - k: fraction of the work that is lost (``loss``) [1]
     - w: load per length [N/m]
     - b: half width after Hertz, sqrt(8 w R/(pi E')), whatever the pressure in the film [m]
     - R: equivalent radius [m]
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
 
-    Range: Hertz's pressure. A film that spreads a light load deforms the steel less, by some share of r of ``light-
+    Range: Hertz's pressure. A film that spreads a light load deforms the steel less, by some fraction of r of ``light-
     contact``: there the law is high. k is a property of a cycle of stress, and grows with its amplitude. k = 0.01
     is an estimate for hard steel under pressures that leave it elastic (D).
 
@@ -437,12 +437,12 @@ class Hysteresis(ResistanceModel):
     loss: float = parameter(
         default=0.01,
         unit="1",
-        doc="share k of the work that is lost",
+        doc="fraction k of the work that is lost",
         usual=(0, 0.1),
         possible=(0, 1),
     )
     factor: float = scattering_factor(
-        0.7, "the share of the work that hard steel loses, 0.005 to 0.02 in what is published"
+        0.7, "the fraction of the work that hard steel loses, 0.005 to 0.02 in what is published"
     )
 
     def evaluate(self, slices: Slices) -> None:

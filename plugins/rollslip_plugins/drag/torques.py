@@ -201,7 +201,7 @@ class Churning(DragModel):
     - R_m: radius of the orbit (``orbit_radius``) [m]
     - w_c: speed of the cage [rad/s]
     - rho: density of the oil (``density``) [kg/m3]
-    - phi: its share of the volume between the rings (``oil_fraction``) [1]
+    - phi: its fraction of the volume between the rings (``oil_fraction``) [1]
     - C_D: drag coefficient of a roller (``coefficient``) [1]
 
     Range: turbulent wakes; the mist itself stands still, as it does in a housing at rest. An outer ring that turns
@@ -240,7 +240,7 @@ class Churning(DragModel):
     oil_fraction: float = from_scene(
         "oil_fraction",
         validator=within_possible,
-        doc="share phi of oil in the volume between the rings",
+        doc="fraction phi of oil in the volume between the rings",
         **_ranges(Lubrication, "oil_fraction"),
     )
     density: float = from_scene(
@@ -276,7 +276,7 @@ class Churning(DragModel):
     )
     factor: float = scattering_factor(
         0.65,
-        "share of oil times drag coefficient: editions of one maker's formula of a bath differ by 3.6",
+        "fraction of oil times drag coefficient: editions of one maker's formula of a bath differ by 3.6",
     )
 
     @property

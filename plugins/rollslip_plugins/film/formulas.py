@@ -51,7 +51,7 @@ def _mapped(off: str) -> tuple[Validity, ...]:
             code=code,
             quantity=quantity,
             high=high,
-            consequence=f"its film is not checked against a numerical solution; inside it is off by {off}",
+            consequence=f"its film is not checked against a numerical solution; inside it errs by {off}",
             remedy="film 'reynolds-line', where it finds a solution",
             source="reynolds-line: docs/scripts/film_error_map.py",
         )

@@ -42,7 +42,7 @@ from rollslip_plugins.traction.local import MaxwellEyringLocal
 class _Blend(TractionModel, abc.ABC):
     """Two traction models and the fraction of the first."""
 
-    #: What the share reads.
+    #: What the fraction reads.
     fraction_domain: ClassVar[Domain] = MappingProxyType(
         {"film_thickness": POSITIVE, "roughness": POSITIVE}
     )
@@ -59,7 +59,7 @@ class _Blend(TractionModel, abc.ABC):
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
-        """What the children read, and what makes the share."""
+        """What the children read, and what makes the fraction."""
         return self.boundary.reads | self.hydrodynamic.reads | self.fraction_domain.keys()
 
     @property
@@ -182,7 +182,7 @@ class LambdaBlend(_BetweenLimits):
 
     Examples
     --------
-    Half way between the limits the share is 2^-6: 0.02 + 0.08/64 = 0.02125.
+    Half way between the limits the fraction is 2^-6: 0.02 + 0.08/64 = 0.02125.
 
     >>> from rollslip import Conditions, Slices
     >>> from rollslip_plugins.traction.boundary import Constant
@@ -260,21 +260,21 @@ class LinearBlend(_BetweenLimits):
 @attrs.frozen(kw_only=True)
 @explained
 class ZhouHoeprich(_Blend):
-    """Asperities carry the share exp(-B Lambda^C) of the load, the film the rest, after Zhou and Hoeprich.
+    """Asperities carry the fraction exp(-B Lambda^C) of the load, the film the rest, after Zhou and Hoeprich.
 
-    mu = share mu_bd + (1 - share) mu_hd. Zhou and Hoeprich, and Aihara, take the central film; and they add the whole
-    friction of the film to that of the asperities, where here the film's is in proportion to its share of the load, as
-    Wingertszahn et al. have it.
+    mu = fraction mu_bd + (1 - fraction) mu_hd. Zhou and Hoeprich, and Aihara, take the central film; and they add the
+    whole friction of the film to that of the asperities, where here the film's is in proportion to its fraction of the
+    load, as Wingertszahn et al. have it.
 
     Symbols:
 
     - mu, mu_bd, mu_hd
-    - share: part of the load that asperities carry [1]
+    - fraction: part of the load that asperities carry [1]
     - Lambda
     - B: factor of the exponent, of the profiles of the two surfaces (``factor``) [1]
     - C: power of Lambda, likewise (``exponent``) [1]
 
-    Range: that of the fit of B and C; the share does not know the pressure. Zhou and Hoeprich plot a ground and a
+    Range: that of the fit of B and C; the fraction does not know the pressure. Zhou and Hoeprich plot a ground and a
     finely finished pair and print no constants. Defaults are Aihara's B = 1.8, C = 1.2, fitted to Patir and Cheng's
     solution of a partial elastohydrodynamic contact with lengthwise roughness below 0.4 GPa; after it the film carries
     "almost all" from Lambda = 2 on (here 98.4 %). For the raceway of a ground tapered roller bearing Wingertszahn
@@ -282,7 +282,7 @@ class ZhouHoeprich(_Blend):
 
     Examples
     --------
-    At Lambda = 1 the share is exp(-1.8) = 0.1652989: 0.02 + 0.08 0.1652989 = 0.0332239.
+    At Lambda = 1 the fraction is exp(-1.8) = 0.1652989: 0.02 + 0.08 0.1652989 = 0.0332239.
 
     >>> from rollslip import Conditions, Slices
     >>> from rollslip_plugins.traction.boundary import Constant
@@ -294,14 +294,16 @@ class ZhouHoeprich(_Blend):
     """
 
     name: ClassVar[str] = "zhou-hoeprich"
-    equation: ClassVar[str] = "mu = share mu_bd + (1 - share) mu_hd, share = exp(-B Lambda^C)"
+    equation: ClassVar[str] = (
+        "mu = fraction mu_bd + (1 - fraction) mu_hd, fraction = exp(-B Lambda^C)"
+    )
     references: ClassVar[tuple[Reference, ...]] = (ZHOU_1991, AIHARA_1987, WINGERTSZAHN_2023)
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
             code="W19",
             quantity="pressure",
             high=0.4e9,
-            consequence="the share of the asperities, which does not know the pressure, is outside the fit of B and C",
+            consequence="the asperities' fraction, which does not know the pressure, is outside the fit of B and C",
             remedy="B and C of the surfaces at hand, or traction 'greenwood-tripp', which knows the pressure",
             source="Aihara (1987): fitted below 0.4 GPa",
         ),
@@ -311,7 +313,7 @@ class ZhouHoeprich(_Blend):
         default=1.8,
         unit="1",
         validator=positive,
-        doc="B of the asperities' share of the load",
+        doc="B of the asperities' fraction of the load",
         usual=(0.5, 6),
         possible=(0, 1e3),
     )
@@ -319,14 +321,14 @@ class ZhouHoeprich(_Blend):
         default=1.2,
         unit="1",
         validator=positive,
-        doc="C of the asperities' share of the load",
+        doc="C of the asperities' fraction of the load",
         usual=(0.3, 4),
         possible=(0, 1e3),
     )
 
     @property
     def full_film_from(self) -> float:
-        """Film parameter from which on the share is below 2^-53, which counts as none."""
+        """Film parameter from which on the fraction is below 2^-53, which counts as none."""
         with np.errstate(over="ignore"):  # small constants put it beyond the largest float
             return float(np.divide(53 * math.log(2), self.factor) ** (1 / self.exponent))
 
@@ -378,14 +380,14 @@ def asperity_integral(separation: Array) -> Array:
 class GreenwoodTripp(_Blend):
     """Asperities carry their pressure over the mean pressure, after Greenwood and Tripp; the film carries the rest.
 
-    mu = share mu_bd + (1 - share) mu_hd, share = p_a/p and at most 1, with
+    mu = fraction mu_bd + (1 - fraction) mu_hd, fraction = p_a/p and at most 1, with
     p_a = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda). Greenwood and Tripp's modulus is
     1/[(1-nu1^2)/E1 + (1-nu2^2)/E2], half of E'.
 
     Symbols:
 
     - mu, mu_bd, mu_hd
-    - share: part of the load that asperities carry [1]
+    - fraction: part of the load that asperities carry [1]
     - Lambda, p, E'
     - sigma: composite rms roughness; sigma beta eta is one parameter (``roughness_parameter``) [m]
     - beta: radius of the tips; sigma/beta is the other one (``slope_parameter``) [m]
@@ -400,7 +402,7 @@ class GreenwoodTripp(_Blend):
 
     Examples
     --------
-    F_5/2(1) = 0.0805623 by quadrature in thirty digits (0.08056 in the published table), so the share at
+    F_5/2(1) = 0.0805623 by quadrature in thirty digits (0.08056 in the published table), so the fraction at
     E'/p = 2000/3 is 0.01006108: 0.02 + 0.08 0.01006108 = 0.0208049.
 
     >>> from rollslip import Conditions, Slices
@@ -415,8 +417,8 @@ class GreenwoodTripp(_Blend):
 
     name: ClassVar[str] = "greenwood-tripp"
     equation: ClassVar[str] = (
-        "mu = share mu_bd + (1 - share) mu_hd, "
-        "share = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda)/p <= 1"
+        "mu = fraction mu_bd + (1 - fraction) mu_hd, "
+        "fraction = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda)/p <= 1"
     )
     references: ClassVar[tuple[Reference, ...]] = (GREENWOOD_TRIPP_1970,)
     fraction_domain: ClassVar[Domain] = MappingProxyType(

@@ -1,7 +1,7 @@
 """Films that soften by the heat of their own shear, for any flow law: their members, groups and solution.
 
-- A flow law is written as the share t = tau/(eta V/h) of the stress of a cold Newtonian film that it keeps: t is 1 for
-  slow sliding, is an even function of V, and none of its groups contains the unknown stress.
+- A flow law is written as the fraction t = tau/(eta V/h) of the stress of a cold Newtonian film that it keeps: t is 1
+  for slow sliding, is an even function of V, and none of its groups contains the unknown stress.
 - With q = beta eta V^2/h, heat that lowers the viscosity is two groups: q phi of the flash temperature phi tau V of
   the surfaces, phi = flash sqrt(b/(pi u))/sqrt(K rho c), and q h/K_f of the conduction across the film.
 - A softened law is t = F(t) with a falling F. In log t the residual is increasing and, for all laws here, convex, so
@@ -124,7 +124,7 @@ def heat_capacity() -> float:
 
 
 class HeatedFilm(TractionModel, abc.ABC):
-    """Traction mu = t eta V/(h p) with the share t of the cold Newtonian stress that a flow law keeps."""
+    """Traction mu = t eta V/(h p) with the fraction t of the cold Newtonian stress that a flow law keeps."""
 
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
     reads = frozenset(HEATED)
@@ -192,7 +192,7 @@ def softened(law: Callable[[Array], tuple[Array, Array]], fraction: Array) -> Ar
 
 
 def newtonian_bound(softening: Array) -> Array:
-    """Return the share of a Newtonian film, t = exp(-w t), to a few percent: no other law keeps more."""
+    """Return the fraction of a Newtonian film, t = exp(-w t), to a few percent: no other law keeps more."""
     w = np.maximum(softening, NO_EFFECT)
     x = np.log1p(w)
     # Lambert's W after Iacono and Boyd (2017)

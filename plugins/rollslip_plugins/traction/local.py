@@ -191,7 +191,7 @@ class MaxwellEyringLocal(EyringGroups):
     - V, u, h, b, flash, K_f
 
     Range: it is within 1 % rms of ``maxwell-eyring-field`` for D < 0.1 and within 4 % rms beyond, with Hertz's
-    pressure, to 1.5 GPa and V/u of 2. Single contacts are off by up to 15 % near the origin at D of 0.05 to 0.4, as
+    pressure, to 1.5 GPa and V/u of 2. Single contacts err by up to 15 % near the origin at D of 0.05 to 0.4, as
     slopes of test rigs are measured, and by up to 25 % in elastic films (D > 0.3) of which heat leaves less than a
     hundredth of the viscosity. An oil that thickens with heat at one of the three pressures is refused.
 
@@ -231,7 +231,7 @@ class MaxwellEyringLocal(EyringGroups):
             quantity="slow_deborah",
             quantity_name="Deborah number D of slow films (sigma < 1)",
             high=0.05,
-            consequence="friction near the origin is off by at most {error} up to an exponent ln(eta/eta0) of 10",
+            consequence="friction near the origin errs by at most {error} up to an exponent ln(eta/eta0) of 10",
             error=Tabled(
                 (
                     (0.05, 9.3),

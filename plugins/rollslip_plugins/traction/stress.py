@@ -60,7 +60,7 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
     sigma, d, phi, part = _prepare(strain_rate, deborah, heating)
     plateau = np.arcsinh(sigma)
     a = 1 + phi * sigma
-    # v = 1 - D y/(2 sigma), the plateau's share of the contact, and the root r of the discriminant follow from one
+    # v = 1 - D y/(2 sigma), the plateau's fraction of the contact, and the root r of the discriminant follow from one
     # margin, without a difference of nearly equal terms; the margin vanishes where the ramp fills the contact.
     margin = 1 + a - d * (plateau / sigma)
     elastic = margin < 0

@@ -331,7 +331,7 @@ def choose_motion(study: MotionStudy, assembly: Assembly, named: Collection[str]
     if assembly.scene.accuracy.exact:
         exact = {name: value for name in unnamed if (value := FALLBACKS[name]) is not None}
         return MotionChoice(
-            settings=exact, reasons=dict.fromkeys(exact, "an exact result is asked for")
+            settings=exact, reasons=dict.fromkeys(exact, "an exact result is requested")
         )
     study = study.with_settings(film_limit=0.0)  # an event, which does not change the motion
     trials = _Trials(assembly)

@@ -119,7 +119,7 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     if "ring_displacement" in dataset:
         yield (
             f"{name}-centres",
-            f"Tracks of the centres of inner ring and cage, {motion}; colours tell the time, a circle is the end.",
+            f"Tracks of the centres of inner ring and cage, {motion}; colours show the time, a circle is the end.",
             _centres(dataset),
         )
 

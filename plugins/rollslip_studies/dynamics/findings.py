@@ -47,7 +47,7 @@ _ENTRIES: Final = {
 }
 #: Attributes that count the work of the integration.
 _COUNTS: Final = ("steps", "rejected", "rate_evaluations", "jacobians", "contacts_evaluated")
-#: Fraction of the skidding slip from which on effective friction is doubted: its limit drag is off by up to 23 %
+#: Fraction of the skidding slip from which on effective friction is doubted: its limit drag errs by up to 23 %
 #: (docs/trust/skidding.rst). Doubled, the advice comes only when the cage skids. Chosen.
 _NEAR_SKIDDING: Final = 0.5
 #: Slip below which effective friction is doubted, and what it adds there at most (docs/tables/effective_slip.csv).
@@ -368,7 +368,7 @@ def outcome(dataset: "xr.Dataset") -> str:
     if a["outcome"] == "finished":
         return f"{motion}: {end}"
     text = reason if reason.startswith(a["outcome"]) else f"{end}: {reason}"
-    return f"{motion}: {text}; what was computed is kept"
+    return f"{motion}: {text}; what was computed is stored"
 
 
 def _is_steady(dataset: "xr.Dataset") -> bool:
@@ -582,7 +582,7 @@ def _describe_step_error(dataset: "xr.Dataset") -> list[str]:
             "smallest tolerance that a plan chooses"
         ]
     return [
-        f"the cage speed may be off by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
+        f"the cage speed may err by {row['estimated']:.1e} of its largest at an instant, more than the tolerance of "
         f"{row['tolerance']:g}, as motions with other steps diverge; raise accuracy.cage_speed"
         for row in rows
         if (row["estimated"] or 0.0) > row["tolerance"]

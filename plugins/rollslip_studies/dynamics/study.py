@@ -108,7 +108,7 @@ class Dynamics(Study):
     cost_descriptions: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
             "tables": "loads over the orbit and effective friction",
-            "motion": "the study asks for cage and rollers in time",
+            "motion": "the study requires cage and rollers in time",
             "skidding": "whether the cage skids is reported with every motion",
             "temperatures": "motions along temperatures, until these are those of their losses",
         }

@@ -17,7 +17,7 @@ does not change, so that the mean of R_m P is that of H. The drags T and the rol
    as those do that a turning outer ring carries along, search ahead of pure rolling.
 
 Without play the result is that of rollers that are set in the cage. Under axial load rollers tilt, and tables over the
-force of a roller are off by some per cent. The difference of a march without play from the torque of rollers set in the
+force of a roller err by some per cent. The difference of a march without play from the torque of rollers set in the
 cage, on all slices, is added at some slips, and interpolated between these.
 """
 

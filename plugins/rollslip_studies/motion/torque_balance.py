@@ -733,7 +733,7 @@ def describe_near_skidding(assembly: Assembly, slip: float) -> str:
     )
     if len(onsets) < 2:
         return f"{where}, and it does so by one of both frictions alone"
-    return f"{where}, where effective friction is off by {100.0 * error:.2g} % of the drag"
+    return f"{where}, where effective friction errs by {100.0 * error:.2g} % of the drag"
 
 
 def effective_curves(assembly: Assembly, n_positions: int) -> tuple[EffectiveTable, EffectiveTable]:

@@ -124,13 +124,21 @@ class RacewayFriction(Study):
         possible=(0, 1e4),
     )
     smallest_ratio: float = parameter(
-        default=1.0, unit="1", doc="smallest R_o w/u of cage and rolling speed", validator=positive,
-        usual=(1e-2, 100), possible=(0, 1e6),
-    )  # fmt: skip
+        default=1.0,
+        unit="1",
+        doc="smallest R_o w/u of cage and rolling speed",
+        validator=positive,
+        usual=(1e-2, 100),
+        possible=(0, 1e6),
+    )
     largest_ratio: float = parameter(
-        default=1.0, unit="1", doc="largest R_o w/u; with the smallest it has one node", validator=positive,
-        usual=(1e-2, 100), possible=(0, 1e6),
-    )  # fmt: skip
+        default=1.0,
+        unit="1",
+        doc="largest R_o w/u; with the smallest it has one node",
+        validator=positive,
+        usual=(1e-2, 100),
+        possible=(0, 1e6),
+    )
 
     def __attrs_post_init__(self) -> None:
         refuse_if(

@@ -6,7 +6,7 @@ slip is the steady one of `rollslip_studies.steady_slip` at every temperature.
 
 1. Fix the temperature of the leading node at each point of a grid. Find those of the other nodes, which follow, by
    fixed-point iteration with Anderson's acceleration of depth 1. Slices and roller positions are coarse, and those of
-   the run beside zeros, ends and extrema. In scenes gearbox and turbine the coarse excess heat was off by up to 0.25 %
+   the run beside zeros, ends and extrema. In scenes gearbox and turbine the coarse excess heat erred by up to 0.25 %
    of the losses.
 2. The heat that the leading node then gains is the *excess heat*, a function of its temperature.
 3. Omit single points at which a search did not converge. Bisect between a point with and one without a steady slip:

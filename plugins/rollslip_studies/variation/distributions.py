@@ -409,7 +409,7 @@ def _distribution(
     if uncertain.unit is None:
         problems.append(
             where.message(
-                "is no number with a unit, and only these can be uncertain; sweep it instead"
+                "is not a number with a unit, and only these can be uncertain; sweep it instead"
             )
         )
         return None

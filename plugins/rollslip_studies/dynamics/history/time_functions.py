@@ -203,7 +203,8 @@ class CourseSettings:
         for key in sorted(given - {*needs, *takes}):
             known = ", ".join((*needs, *takes))
             raise FieldError(
-                self._field(key), f"is no parameter of shape = {self.shape!r}, which takes {known}"
+                self._field(key),
+                f"is not a parameter of shape = {self.shape!r}, which takes {known}",
             )
         if self.shape == "table":
             times = self.parameters["time"]

@@ -105,7 +105,7 @@ class PlanarSettings:
 
     inner_ring_mass: float = field(
         unit="kg",
-        doc="mass that moves with the inner ring: the ring and its share of the shaft",
+        doc="mass that moves with the inner ring: the ring and its part of the shaft",
         validator=positive,
         usual=(1e-3, 1e5),
         possible=(1e-9, 1e15),  # up to a ring that practically does not move

@@ -39,7 +39,7 @@ cdef int _evaluate(const rs_slices *s, const void *params) noexcept nogil:
             if status:
                 return status + <int>start if status > 0 else status
             for i in range(n):
-                # beyond 1e30 the limit decides, and infinity times no speed is no number
+                # beyond 1e30 the limit decides, and infinity times no speed is not a number
                 newtonian = fmin(viscosity[i], 1e30) * fabs(s.sliding_speed[start + i]) / s.film_thickness[start + i]
                 stress[i] += WEIGHT[j] * fmin(newtonian, q.limit * pressure[i])
         for i in range(n):

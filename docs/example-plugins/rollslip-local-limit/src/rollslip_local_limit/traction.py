@@ -56,7 +56,7 @@ class LocalLimit(TractionModel):
         s = slices
         pressure = 4.0 / np.pi * POINTS[:, None] * s.pressure
         viscosity, _ = self.law.at(s.conditions, pressure)
-        # beyond 1e30 the limit decides, and infinity times no speed is no number
+        # beyond 1e30 the limit decides, and infinity times no speed is not a number
         newtonian = np.minimum(viscosity, 1e30) * np.abs(s.sliding_speed) / s.film_thickness
         stress = WEIGHTS @ np.minimum(newtonian, self.limit * pressure)
         s.friction[...] = np.sign(s.sliding_speed) * stress / s.pressure
