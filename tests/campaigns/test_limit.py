@@ -464,7 +464,8 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     said = json.loads(few.attrs["warnings"])[0]
     words = "with the scene's own operation.radial_load or at an end of its range, more than the tolerance of 0.001"
     told = re.match(
-        rf"worst sliding power density errs by about (\S+) {words}: the limit errs by", said
+        rf"worst sliding power density errs by about (\S+) {words}: the limit errs accordingly",
+        said,
     )
     assert 1e-3 < off <= float(told[1]) <= off / (1.0 - 2.0**-JOINT_ORDER)
 

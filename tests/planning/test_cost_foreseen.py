@@ -64,7 +64,7 @@ def test_memory_is_counted_in_bytes_and_enough_of_it_is_no_fault(monkeypatch):
 
 
 def test_a_sweep_over_points_that_no_memory_holds_is_refused():
-    with pytest.raises(SceneError, match=r"effective-friction\.points = 1e\+10 asks for"):
+    with pytest.raises(SceneError, match=r"effective-friction\.points = 1e\+10 needs"):
         plan_sweep(load_scene(SCENE), over={"study.effective-friction.points": [101, 10**10]})
 
 

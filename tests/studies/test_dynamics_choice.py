@@ -405,7 +405,7 @@ def test_a_later_start_whose_pieces_are_left_out_is_not_covered_by_another(monke
 
 @pytest.mark.parametrize(
     ("estimated", "found", "says"),
-    [(None, None, "is not known, as a"), (2e-3, None, "off by 2.0e-03"), (1e-4, None, ""), (None, 1.0, "")],
+    [(None, None, "is not known, as a"), (2e-3, None, "err by 2.0e-03"), (1e-4, None, ""), (None, 1.0, "")],
 )  # fmt: skip
 def test_an_error_of_steps_that_is_not_known_is_said(estimated, found, says):
     row = {"result": "cage_speed", "tolerance": 1e-3, "estimated": estimated, "found": found}

@@ -178,7 +178,7 @@ def test_a_worst_value_that_stays_off_is_told_with_the_number():
         off = float(abs(found.worst[n] / exact.worst[n] - 1.0).max())
         assert 1.0 <= accuracy_of(found)[name] / off <= 1.0 / (1.0 - 2.0**-JOINT_ORDER)
         (said,) = (text for text in json.loads(found.attrs["warnings"]) if text.startswith(name))
-        told = float(re.search(r"off by about (\S+), more than the tolerance of 0.001", said)[1])
+        told = float(re.search(r"errs by about (\S+), more than the tolerance of 0.001", said)[1])
         assert told == pytest.approx(accuracy_of(found)[name], rel=0.05)
         assert "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto" in said
 

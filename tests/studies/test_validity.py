@@ -182,7 +182,9 @@ def test_a_film_of_all_regimes_says_over_what_it_was_held_against_a_solution(nam
         max(float(row["M"]) for row in table),
         max(float(row["L"]) for row in table),
     )
-    assert M.consequence.endswith(f"off by {math.floor(min(off)):+d} to {math.ceil(max(off)):+d} %")
+    assert M.consequence.endswith(
+        f"errs by {math.floor(min(off)):+d} to {math.ceil(max(off)):+d} %"
+    )
 
 
 def test_blok_ends_where_a_rigid_contact_has_no_solution():

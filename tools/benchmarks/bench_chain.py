@@ -172,7 +172,7 @@ class Peers:
             if not kept <= bound:
                 del self.ready[name]
                 self.missing[name] = (
-                    f"does other work: its friction is off by {kept:.1e}, allowed is {bound:.0e}"
+                    f"does other work: its friction errs by {kept:.1e}, allowed is {bound:.0e}"
                 )
             errors[name] = timed, every
         return errors
