@@ -51,7 +51,7 @@ def test_a_peer_that_does_other_work_or_fails_is_left_out_in_words():
         "does other work: its friction errs by 1.0e-09, allowed is 1e-12" in peers.missing["other"]
     )
     assert peers.missing["failing"] == "fails: ValueError: no such film"
-    assert "off by inf" in peers.missing["no number"]
+    assert "errs by inf" in peers.missing["no number"]
 
 
 def test_a_peer_that_cannot_be_had_is_said_with_the_reason():
