@@ -280,7 +280,7 @@ def test_a_broken_word_is_told_and_so_is_a_critical_slip_that_only_one_of_both_r
     result["critical_cage_slip"][:] = np.nan
     texts = json.loads(verify(coarse, STUDY, result).attrs["warnings"])
     broken = "more than the tolerance of 0.001; run with a smaller accuracy."
-    assert any(text.startswith("friction is off by") and broken in text for text in texts)
+    assert any(text.startswith("friction errs by") and broken in text for text in texts)
     one = "critical slip has a value either here or in the finer result, but not in both"
     assert any(text.startswith(one) for text in texts)
 
