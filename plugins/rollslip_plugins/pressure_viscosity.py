@@ -6,6 +6,7 @@ alpha it gives, the slope of ln(eta) at no pressure ("tangent") or alpha* = 1/in
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 from typing import ClassVar, Final
 
@@ -131,13 +132,15 @@ def _gamma(s: Array, k: Array) -> tuple[Array, Array]:
     return value, slope
 
 
-def _exponent_of_film(a: ArrayLike, k: ArrayLike) -> tuple[Array, Array, Array]:
-    """Return z of Roelands's law for a = alpha* p0, and its slopes over a and k.
+@lru_cache(maxsize=64)  # one oil at one temperature is evaluated at many pressures
+def _exponent_of_film(alpha_p0: float, log_ratio: float) -> tuple[Array, Array, Array]:
+    """Return z of Roelands's law for alpha* p0 and k = ln(eta0/eta_inf), and its slopes over both.
 
     1/alpha* = integral of exp(-k ((1 + p/p0)^z - 1)) dp = p0 G(1/z, k)/z, whose root is found by Newton's method on
     logarithms.
     """
-    of, k = np.broadcast_arrays(np.asarray(a, dtype=float), np.asarray(k, dtype=float))
+    of = np.asarray(alpha_p0)
+    k = np.asarray(log_ratio)
     z = (of + 1.0) / k
     for _ in range(60):
         if not np.all(z > 5e-3):  # G overflows

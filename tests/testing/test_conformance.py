@@ -9,6 +9,7 @@ import attrs
 import pytest
 
 from broken_models import Explicit
+from kit import LEFT
 from rollslip import available, get_model
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.cli.models import print_models
@@ -22,6 +23,7 @@ from rollslip.testing import (
     conformance,
     format_findings,
 )
+from rollslip.testing.findings import cases_of, run_after_prerequisite
 from rollslip.testing.numbers import OPERATIONS, operations
 from rollslip.testing.samples import table
 from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
@@ -56,7 +58,7 @@ class TestContact(Conformance):
 
 
 class TestFilm(Conformance):
-    models = (*box("film"), PanHamrock(thickness="central"))
+    models = box("film")
 
 
 class TestPressure(Conformance):
@@ -65,9 +67,10 @@ class TestPressure(Conformance):
 
 class TestPressureViscosity(Conformance):
     models = (
-        Barus(), Roelands(), Barus(factor=1.2), Roelands(factor=0.8), Roelands(alpha="film"),
+        Barus(),
+        Roelands(),
         Yasutomi(glass_temperature=200.0, a1=60.0, a2=1e-9, b1=0.2, b2=5e-9, c1=16.0, c2=22.0),
-    )  # fmt: skip
+    )
 
 
 #: Blends, but for one: their law of the film, which costs most, is the same by default.
@@ -78,17 +81,6 @@ class TestTraction(Conformance):
     models = (
         *(model for model in box("traction") if not isinstance(model, OTHER_BLENDS)),
         *(blend(hydrodynamic=Eyring()) for blend in OTHER_BLENDS),
-        Muraki(flash=1.0),
-        MaxwellEyring(flash=1.0),
-        Kragelsky(limit=0.05, rise=10.0, decay=400.0),
-        Constant(coefficient=0.2, transition=0.05),
-        LambdaBlend(
-            boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0
-        ),
-        LambdaBlend(
-            hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)
-        ),
-        LambdaBlend(hydrodynamic=MaxwellEyring(flash=1.0)),
     )
 
 
@@ -98,7 +90,7 @@ class TestReferences(Conformance):
 
 
 class TestDrag(Conformance):
-    models = (*box("drag"), PetroffLand(ring="inner"), ConstantTorque(size=0.0))
+    models = box("drag")
 
 
 class TestIntegrator(Conformance):
@@ -114,38 +106,27 @@ class TestEngine(Conformance):
 
 
 class TestThermal(Conformance):
-    models = (*box("thermal"), get_model("thermal", "network", oil_flow=0.02, contact_fraction=0.1))
+    models = box("thermal")
 
 
 class TestDamage(Conformance):
-    models = (
-        *box("damage"),
-        get_model("damage", "power-density", over="maximum", allowed="50 MW/m2"),
-        get_model("damage", "flash-temperature", conduction="fast", roller_conductivity=25.0),
-        get_model(
-            "damage",
-            "contact-temperature",
-            flash={"model": "flash-temperature", "conduction": "fast"},
-        ),
-        get_model("damage", "scuffing-iso", fzg_stage=10, viscosity="15 mPa s", oil="polyglycol"),
-        get_model("damage", "scuffing-agma", oil="MIL-PRF-23699", risk=0.01),
-    )
+    models = box("damage")
 
 
 class TestTorque(Conformance):
-    models = (*box("torque"), get_model("torque", "skf", series="23", drag="2006"))
+    models = box("torque")
 
 
 class TestLoss(Conformance):
-    models = (*box("loss"), get_model("loss", "radial-lip-seal", number=2, diameter="40 mm"))
+    models = box("loss")
 
 
 class TestRib(Conformance):
-    models = (*box("rib"), get_model("rib", "open-film", reach=0.3, boundary_coefficient=0.05))
+    models = box("rib")
 
 
 class TestLife(Conformance):
-    models = (*box("life"), get_model("life", "iso16281", edge_stress=False))
+    models = box("life")
 
 
 class TestRings(Conformance):
@@ -162,6 +143,54 @@ DATA = [kind for kind in kinds() if get_kind(kind).data or get_kind(kind).waits]
 
 class TestData(Conformance):
     models = box(*DATA)
+
+
+#: Built-in models with other parameters than their defaults, which choose other branches.
+VARIANTS = (
+    PanHamrock(thickness="central"),
+    Barus(factor=1.2),
+    Roelands(factor=0.8),
+    Roelands(alpha="film"),
+    Muraki(flash=1.0),
+    MaxwellEyring(flash=1.0),
+    Kragelsky(limit=0.05, rise=10.0, decay=400.0),
+    Constant(coefficient=0.2, transition=0.05),
+    LambdaBlend(
+        boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0
+    ),
+    LambdaBlend(hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)),
+    LambdaBlend(hydrodynamic=MaxwellEyring(flash=1.0)),
+    PetroffLand(ring="inner"),
+    ConstantTorque(size=0.0),
+    get_model("thermal", "network", oil_flow=0.02, contact_fraction=0.1),
+    get_model("damage", "power-density", over="maximum", allowed="50 MW/m2"),
+    get_model("damage", "flash-temperature", conduction="fast", roller_conductivity=25.0),
+    get_model(
+        "damage", "contact-temperature", flash={"model": "flash-temperature", "conduction": "fast"}
+    ),
+    get_model("damage", "scuffing-iso", fzg_stage=10, viscosity="15 mPa s", oil="polyglycol"),
+    get_model("damage", "scuffing-agma", oil="MIL-PRF-23699", risk=0.01),
+    get_model("torque", "skf", series="23", drag="2006"),
+    get_model("loss", "radial-lip-seal", number=2, diameter="40 mm"),
+    get_model("rib", "open-film", reach=0.3, boundary_coefficient=0.05),
+    get_model("life", "iso16281", edge_stress=False),
+)
+
+
+@pytest.mark.slow
+class TestVariants(Conformance):
+    models = VARIANTS
+
+
+@pytest.mark.parametrize("model", VARIANTS, ids=lambda model: type(model).__name__)
+def test_other_parameters_keep_the_rules_of_numbers(model):
+    """Processes, threads and imports, which no parameter changes, are those of the defaults above."""
+    findings = [
+        run_after_prerequisite(*case)[0]
+        for case in cases_of(model, {})
+        if not any(word in case[1].__name__ for word in LEFT)
+    ]
+    assert not [finding for finding in findings if finding.status == "failed"]
 
 
 def test_no_kind_is_left_out():
@@ -196,12 +225,11 @@ def test_laws_of_the_box_that_python_runs_are_what_others_are_held_against():
 
 
 def test_a_contact_is_checked_with_its_deflection():
-    findings = conformance(get_model("contact", "lundberg"))
-    assert {finding.model for finding in findings} == {"lundberg", "lundberg-deflection"}
-    assert {finding.status for finding in findings} == {"ok", "skipped"}
-    assert [f.check for f in findings if f.status == "skipped"] == [
-        "check_is_named_as_its_entry_point"
-    ]
+    cases = cases_of(get_model("contact", "lundberg"), {})
+    assert {subject.name for subject, *_ in cases} == {"lundberg", "lundberg-deflection"}
+    named = [case for case in cases if case[1].__name__ == "check_is_named_as_its_entry_point"]
+    statuses = {case[0].name: run_after_prerequisite(*case)[0].status for case in named}
+    assert statuses == {"lundberg": "ok", "lundberg-deflection": "skipped"}
 
 
 @pytest.mark.quick
@@ -319,7 +347,7 @@ def test_the_kit_does_not_need_pytest():
     code = (
         "import sys\nsys.modules['pytest'] = None\n"
         "from rollslip import get_model\nfrom rollslip.testing import conformance\n"
-        "assert {f.status for f in conformance(get_model('integrator', 'rk23'))} == {'ok'}\n"
+        "assert {f.status for f in conformance(get_model('ring', 'rigid'))} == {'ok'}\n"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
