@@ -48,6 +48,12 @@ def _hears_interrupts():
     _hear_interrupts()  # whatever the test before has run
 
 
+@pytest.fixture
+def no_bands(monkeypatch):
+    """Leave out the bands of slips, which take longer than the run of whose result a test looks at something else."""
+    monkeypatch.setattr("rollslip_studies.steady_slip.band.bands", lambda *given: {})
+
+
 @pytest.hookimpl(trylast=True)  # after hypothesis has read which profile was asked for
 def pytest_configure(config):
     """Give a short run the same examples whatever was imported before a test."""

@@ -1,5 +1,6 @@
 """A run does what it is asked for: notes, bands and alternatives are computed when an answer is asked for."""
 
+import functools
 import json
 import subprocess
 import sys
@@ -107,13 +108,18 @@ REQUESTED = {
 }
 
 
+@pytest.fixture(scope="module")
+def known_bands():
+    """The bands of a scene, which every test below requests of the same, are computed once."""
+    return functools.cache(band.bands)
+
+
 @pytest.mark.parametrize("requested", REQUESTED)
 def test_what_a_reader_needs_is_computed_and_stored_when_it_is_asked_for(
-    requested, tmp_path, monkeypatch
+    requested, known_bands, tmp_path, monkeypatch
 ):
     calls = []
-    bands = band.bands
-    monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or bands(*given))
+    monkeypatch.setattr(band, "bands", lambda *given: calls.append(given) or known_bands(*given))
     result = rollslip.run(
         rollslip.evolve(
             rollslip.load_scene(SCENE),

@@ -57,6 +57,7 @@ def test_what_cannot_run_is_named_before_the_others_run():
     assert "'rollslip models lubricant' lists them" in warning
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_models_of_rings_are_alternatives_too():
     tight = rollslip.evolve(
         SCENE, {"bearing.radial_clearance": "-5 um", "accuracy.tolerance": 5e-2}

@@ -11,7 +11,7 @@ from rollslip.results.accounts import answer
 from rollslip_campaigns.cases import CaseSettings, interpolation
 from rollslip_campaigns.cases.cases import plan_cases
 from rollslip_campaigns.cases.interpolation import interpolate_cases
-from scattered import SCATTERED
+from scattered import PLAIN
 
 LOADS = np.random.default_rng(0).uniform(1e3, 2e4, 3000)
 SPEEDS = np.random.default_rng(1).uniform(500.0, 3000.0, 3000)
@@ -92,33 +92,37 @@ def test_words_and_gaps_come_from_the_nearest_computed_case():
 
 
 def duty(folder, *head):
-    """Write 40 cases over two loads and speeds, which the scene carries without a jump."""
-    loads = np.geomspace(4.0, 12.0, 8)
-    rows = [f"{load:.4f},{speed}" for load in loads for speed in (3000, 3500, 4000, 4500, 5000)]
+    """Write 24 cases over two loads and speeds, which the scene carries without a jump."""
+    loads = np.geomspace(4.0, 12.0, 6)
+    rows = [f"{load:.4f},{speed}" for load in loads for speed in (3000, 3500, 4000, 4500)]
     path = folder / "duty.csv"
     path.write_text("\n".join([",".join(head), *rows]), encoding="utf-8")
     return path
 
 
 def test_the_command_computes_some_cases_and_says_how_exact_the_others_are(tmp_path, monkeypatch):
-    monkeypatch.setattr(interpolation, "_FIRST_NODES", 8)
-    monkeypatch.setattr(interpolation, "_CHECKS", 4)
+    monkeypatch.setattr(interpolation, "_FIRST_NODES", 6)
+    monkeypatch.setattr(interpolation, "_CHECKS", 3)
     table = duty(tmp_path, "radial_load [kN]", "inner_speed [rpm]")
-    found = rollslip.cases(SCATTERED, table, interpolate="20 %", engine="serial")
+    found = rollslip.cases(PLAIN, table, interpolate="20 %", engine="serial")
     methods = found["method"].to_numpy().tolist()
-    assert 20 <= methods.count("computed") < 40
+    assert 12 <= methods.count("computed") < 24
     assert set(methods) == {"computed", "interpolated"}
     assert (found["status"] == "ok").all()
     assert found["verdict"].to_numpy().tolist().count("") == 0
     assert found.attrs["interpolation_error"] <= 0.2
-    assert json.loads(found.attrs["counts"])["ok"] == 40
+    assert json.loads(found.attrs["counts"])["ok"] == 24
     assert "pending" not in found.attrs["warnings"]
-    whole = rollslip.cases(SCATTERED, table, engine="serial")
-    np.testing.assert_allclose(found["friction_torque"], whole["friction_torque"], rtol=0.2)
+    guessed = np.flatnonzero(found["method"].to_numpy() == "interpolated")
+    head, *rows = table.read_text(encoding="utf-8").splitlines()
+    table.write_text("\n".join([head, *(rows[k] for k in guessed)]), encoding="utf-8")
+    whole = rollslip.cases(PLAIN, table, engine="serial")
+    torques = found["friction_torque"][guessed]
+    np.testing.assert_allclose(torques, whole["friction_torque"], rtol=0.2)
     slips = whole["slip"].to_numpy()
-    assert (np.abs(found["slip"] - slips) <= 0.2 * np.maximum(slips, 1e-2)).all()
-    count = methods.count("interpolated")
-    assert f"{count} of 40 cases are interpolated: 4 drawn at random" in str(answer(found))
+    assert (np.abs(found["slip"][guessed] - slips) <= 0.2 * np.maximum(slips, 1e-2)).all()
+    count = guessed.size
+    assert f"{count} of 24 cases are interpolated: 3 drawn at random" in str(answer(found))
 
 
 @pytest.mark.parametrize("given", ["0", "2", "five", -0.1])
@@ -127,11 +131,11 @@ def test_a_wrong_error_is_refused(tmp_path, given):
     with pytest.raises(
         SceneError, match=r"interpolate: a fraction such as 0\.05 or '5 %' is expected"
     ):
-        plan_cases(CaseSettings(SCATTERED, table, interpolate=given))
+        plan_cases(CaseSettings(PLAIN, table, interpolate=given))
 
 
 def test_names_are_not_interpolated(tmp_path):
     path = tmp_path / "duty.csv"
     path.write_text("radial_load [kN],lubricant.name\n5,iso-vg-68\n6,iso-vg-220", encoding="utf-8")
     with pytest.raises(SceneError, match=r"has names in lubricant\.name, between which nothing"):
-        plan_cases(CaseSettings(SCATTERED, path, interpolate="5 %"))
+        plan_cases(CaseSettings(PLAIN, path, interpolate="5 %"))

@@ -263,6 +263,7 @@ def test_the_command_opens_with_the_time_and_the_worst_case(tmp_path, monkeypatc
     assert record["answer"]["summary"].partition("; ")[2].startswith("worst is case 1, slip")
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_measured_points_stand_beside_the_cases(tmp_path):
     points = written(
         tmp_path,

@@ -43,6 +43,7 @@ SCENE = evolve(
     {
         "bearing.profile": "none",
         "study.effective-friction.points": 15,
+        "study.effective-friction.map_points": 0,
         "study.effective-friction.skidding_range": 0,  # laws in Python are slow there
         "study.friction-curve.points": 21,
         "lubricant.pressure_viscosity_factor": 1.3,
@@ -905,7 +906,7 @@ def test_slices_are_sorted_by_the_limits_that_are_told():
 def test_measured_points_stand_beside_each_combination(tmp_path):
     table = tmp_path / "slip.csv"
     table.write_text("cage_slip [%], cage_slip_uncertainty [%]\n2, 0.1\n", encoding="utf-8")
-    scene = coarse("gearbox", {"accuracy.slices": 3})
+    scene = coarse("gearbox", {"accuracy.slices": 3, "cage.drag": ["petroff-land"]})
     found = rollslip.compare(
         scene, traction=["muraki", "eyring"], study="friction-curve", measured=table
     )
@@ -913,6 +914,6 @@ def test_measured_points_stand_beside_each_combination(tmp_path):
     assert [record["alternative"] for record in records] == ["muraki", "eyring"]
     for record in records:
         law = {"models.traction.hydrodynamic": record["alternative"]}
-        alone = rollslip.run(rollslip.evolve(scene, law), "steady-slip")
+        alone = run(rollslip.evolve(scene, law), "steady-slip")
         assert record["calculated"] == pytest.approx(float(alone.steady_slip[0]), rel=0.01)
     assert rollslip.answer(found)["measured"].text.endswith(" closest, 1 of 1 agree")

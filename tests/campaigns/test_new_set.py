@@ -1,6 +1,7 @@
 """A data set is written from a table of measured points and a scene, completely or not at all."""
 
 import math
+import shutil
 from importlib.resources import files
 from pathlib import Path
 
@@ -165,11 +166,18 @@ def test_the_first_line_of_a_validation_says_how_near_measured_values_are():
     assert body[-1][0] == "temperature 25 degC"  # what was measured before what was computed
 
 
-def test_the_torque_that_was_measured_is_met_as_the_page_says():
+@pytest.mark.parametrize(
+    "rows", [slice(2, None, 4), pytest.param(slice(None), marks=pytest.mark.slow)]
+)
+def test_the_torque_that_was_measured_is_met_as_the_page_says(rows, tmp_path):
     """Ratios of docs/trust/torque.rst, computed by docs/scripts/measured_torque.py on 101 slices without slip."""
-    found = rollslip.validate(SETS / "wingertszahn-2023", samples=0)
+    folder = shutil.copytree(SETS / "wingertszahn-2023", tmp_path / "set")
+    for name in ("axial.csv", "combined.csv"):
+        head, *points = (folder / name).read_text(encoding="utf-8").splitlines()
+        (folder / name).write_text("\n".join([head, *points[rows]]), encoding="utf-8")
     printed = pandas.read_csv(DOCS / "tables" / "measured_torque.csv")["default"]
-    np.testing.assert_allclose(found.ratio, printed, atol=0.015)
+    found = rollslip.validate(folder, samples=0)
+    np.testing.assert_allclose(found.ratio, [*printed[:4][rows], *printed[4:][rows]], atol=0.015)
 
 
 def test_rollers_of_the_measured_bearing_carry_its_loads():

@@ -13,7 +13,13 @@ from rollslip.planning.plan import plan
 from rollslip.results.figures import Result
 from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep
 
-SCENE = coarse("gearbox", {"study.effective-friction.max_cage_slip": 0.1})
+SCENE = coarse(
+    "gearbox",
+    {
+        "models.traction": "muraki",
+        "study.effective-friction.max_cage_slip": 0.1,
+    },
+)
 LOADS = {"operation.radial_load": ["1 kN", "3 kN"]}
 
 

@@ -39,7 +39,10 @@ def too_large(row, got):
     return error_of(row["law"], row["members"], got)[0] > ROUNDED * float(row["error"])
 
 
-@pytest.mark.parametrize("name", simd.available())
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(one, marks=pytest.mark.slow if one == "v4" else ()) for one in simd.available()],
+)
 def test_no_law_is_farther_from_fifty_digits_than_it_was(name):
     got = filled(name)
     assert got.keys() == laws().keys()

@@ -451,6 +451,7 @@ def test_printed_numbers_are_those_values_in_two_digits_one_unit_and_without_exp
     assert answer.case == ("NU2312E", "ISO VG 220", "1500 rpm", "1 kN", "70 °C")
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_commands_that_are_named_next_work_as_pasted(ran):
     folder, said, datasets = ran
     least = json.loads(datasets["steady-slip"].attrs["band"])["minimum_load"]["high"]
@@ -511,6 +512,7 @@ def test_a_verdict_can_be_an_exit_code(ran, options, code):
     assert code == 2 or done.stdout.startswith("UNKNOWN   NU2312E, ISO VG 220")
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_a_preloaded_bearing_has_no_minimum_load():
     scene = coarse("gearbox", {"bearing.radial_clearance": "-15 um", "accuracy.slices": 5})
     answer = answer_of(rollslip.run(scene, "steady-slip"))
@@ -520,6 +522,7 @@ def test_a_preloaded_bearing_has_no_minimum_load():
     assert "makers' minimum" not in str(answer)
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     """Of 0.1 um the slip of the unloaded bearing stays above the acceptable one: it has a minimum load all the same."""
     scene = coarse(
@@ -537,6 +540,7 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     assert "makers" in str(answer_of(result))
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     """Both rings turn nearly alike: no contact draws oil in within the range of slips of effective friction."""
     requested = ["run", "gearbox", "--no-plots", "--out", str(tmp_path / "o")]
@@ -686,6 +690,7 @@ def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is
     assert "did you mean W11" in str(refused.exception)
 
 
+@pytest.mark.usefixtures("no_bands")
 def test_a_note_is_left_out_by_its_code(ran):
     folder, said, datasets = ran
     codes = [note["code"] for note in said["answer"]["notes"]]

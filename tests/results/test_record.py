@@ -6,6 +6,7 @@ import shutil
 import pytest
 from click.testing import CliRunner
 
+import recorded
 import rollslip
 from architecture import ROOT
 from coarse import SET_COARSE, coarse
@@ -50,13 +51,16 @@ COMMANDS = (
 )  # fmt: skip
 
 
-#: Those that take long.
-SLOW = {"limit", "uncertainty", "pareto", "plugins"}
+#: Those that take long: their results, and those of the studies, are also among the stored ones.
+SLOW = {
+    *("limit", "uncertainty", "pareto", "plugins", "compare"),
+    *("dynamics", "thermal-balance", "surface-damage"),
+}
 
 
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(one, marks=pytest.mark.slow if one[0] in SLOW else ()) for one in COMMANDS],
+    [pytest.param(one, marks=pytest.mark.slow if SLOW & {*one} else ()) for one in COMMANDS],
     ids=["-".join(one[:2]) for one in COMMANDS],
 )
 def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
@@ -85,6 +89,13 @@ def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):
         assert list(without_units(status)) == []
 
 
+@pytest.mark.parametrize("name", recorded.RESULTS)
+def test_every_number_of_a_stored_result_has_a_unit(name):
+    result = recorded.stored(name)
+    assert list(without_units(with_units(account_of(result).record(result), result))) == []
+
+
+@pytest.mark.usefixtures("no_bands")
 def test_units_are_those_of_the_variables():
     result = rollslip.run(coarse("gearbox", {"accuracy.slices": 3}), "steady-slip")
     units = with_units(account_of(result).record(result), result)["units"]

@@ -19,6 +19,9 @@ SCATTERED = rollslip.evolve(
     },
 )
 
+#: The same with a law of traction and a drag that cost little.
+PLAIN = rollslip.evolve(SCATTERED, {"models.traction": "muraki", "cage.drag": DRAGS[:1]})
+
 
 def uncertain(scene, **table):
     """A scene with a table [uncertainty]."""
