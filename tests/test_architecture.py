@@ -291,23 +291,6 @@ def test_help_imports_nothing_heavy(command):
     assert done.returncode == 0, done.stderr
 
 
-def test_a_run_without_plots_loads_neither_matplotlib_nor_scipy_nor_an_integrator(tmp_path):
-    code = WITHOUT_EXTRAS + (
-        "from rollslip.cli import main\n"
-        "try:\n    main(['run', '1032930-70C', '--no-plots', '--out', sys.argv[1]])\n"
-        "except SystemExit as leave:\n    assert leave.code == 0\n"
-        "found = {'matplotlib', 'scipy', 'rollslip_plugins.integrators.scipy'} & set(sys.modules)\n"
-        "assert not found, found"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "o")],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-
-
 @pytest.mark.parametrize("host", [True, False])
 def test_garbage_is_looked_for_seldom_while_a_command_runs_and_not_at_its_end(host):
     """A host keeps its thresholds, a command leaves them; what is frozen is seen by what runs after it at exit."""

@@ -8,6 +8,7 @@ import click
 import pytest
 
 import sentences
+from dialect import STAYS, dialect
 from rollslip.bearing.cage import Cage
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
@@ -170,3 +171,10 @@ def test_no_sentence_names_a_setting_without_its_table():
     assert not UNTYPABLE.search(
         "with --set study.steady-slip.inertia=true, or study.friction-curve.max_slip"
     )
+
+
+def test_no_sentence_of_the_program_says_what_only_its_authors_would():
+    own = [one for one in every() if not one.module.startswith("rollslip_kernels")]
+    told = [one for one in own if one.kind != "source" and one.text not in STAYS]
+    assert [(one.module, one.text, wrong) for one in told if (wrong := dialect(one.text))] == []
+    assert len(told) > 3000

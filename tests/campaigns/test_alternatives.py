@@ -17,7 +17,10 @@ from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.alternatives import ratio_band
 from without_bands import run
 
-SCENE = coarse("gearbox", {"accuracy.slices": 3, "models.traction": "muraki"})
+SCENE = coarse(
+    "gearbox",
+    {"accuracy.slices": 3, "models.traction": "muraki", "cage.drag": ["churning"]},
+)
 
 
 @pytest.fixture(scope="module")

@@ -906,7 +906,7 @@ def test_slices_are_sorted_by_the_limits_that_are_told():
 def test_measured_points_stand_beside_each_combination(tmp_path):
     table = tmp_path / "slip.csv"
     table.write_text("cage_slip [%], cage_slip_uncertainty [%]\n2, 0.1\n", encoding="utf-8")
-    scene = coarse("gearbox", {"accuracy.slices": 3, "cage.drag": ["petroff-land"]})
+    scene = coarse("gearbox", {"accuracy.slices": 3, "cage.drag": ["churning"]})
     found = rollslip.compare(
         scene, traction=["muraki", "eyring"], study="friction-curve", measured=table
     )

@@ -2,7 +2,8 @@
 
 import json
 import shlex
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -29,6 +30,7 @@ _AVERAGED: Final = ("friction_torque", "heat")
 class CasesAccount(Account):
     """Report of the campaign ``cases``."""
 
+    units: ClassVar[Mapping[str, str]] = {"time_by_verdict": "1", "worst_case": "1"}
     figures_function = ".figures:case_figures"
 
     @staticmethod

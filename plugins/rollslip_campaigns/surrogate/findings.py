@@ -1,7 +1,8 @@
 """Report on a surrogate: errors of its tables at random operations, their ranges, and where the bearing skids."""
 
 import json
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -18,6 +19,14 @@ _NODES = ("temperature", "radial_load", "cage_ratio", "rolling_speed", "slide_ro
 
 class SurrogateAccount(Account):
     """Reports the errors and the ranges of tables."""
+
+    units: ClassVar[Mapping[str, str]] = {
+        "error": "1",
+        "nodes": "1",
+        "operations": "1",
+        "inner_speed": "rad/s",
+        "outer_speed": "rad/s",
+    }
 
     @staticmethod
     def answer(dataset: "xr.Dataset") -> Answer:
