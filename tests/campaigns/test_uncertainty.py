@@ -45,7 +45,12 @@ from rollslip_studies.steady_slip.study import SteadySlip
 #: Few slices and slips, and no play: what is tested is what is made of the points.
 SCENE = rollslip.evolve(
     load_scene("1032930-70C"),
-    COARSE | {"accuracy.slices": 3, "study.effective-friction.points": 9},
+    COARSE
+    | {
+        "accuracy.slices": 3,
+        "models.traction": "muraki",
+        "study.effective-friction.points": 9,
+    },
 )
 
 

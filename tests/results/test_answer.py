@@ -514,7 +514,8 @@ def test_a_verdict_can_be_an_exit_code(ran, options, code):
 
 @pytest.mark.usefixtures("no_bands")
 def test_a_preloaded_bearing_has_no_minimum_load():
-    scene = coarse("gearbox", {"bearing.radial_clearance": "-15 um", "accuracy.slices": 5})
+    changes = {"bearing.radial_clearance": "-15 um", "models.traction": "muraki"}
+    scene = coarse("gearbox", {**changes, "accuracy.slices": 5})
     answer = answer_of(rollslip.run(scene, "steady-slip"))
     row = answer["minimum_load"]
     assert (row.text, row.note) == ("none", "preloaded by 15 µm")
@@ -530,6 +531,7 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
         {
             "bearing.radial_clearance": "-0.1 um",
             "study.steady-slip.acceptable_slip": 0.01,
+            "models.traction": "muraki",
             "accuracy.slices": 5,
         },
     )
@@ -584,7 +586,8 @@ def test_a_code_that_is_none_leads_to_what_explains_it(code, hint):
 
 def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
     """Their weight is left out of the balance of loads."""
-    result = rollslip.run(coarse("gearbox", {"accuracy.slices": 5}), "steady-slip")
+    scene = coarse("gearbox", {"accuracy.slices": 5, "models.traction": "muraki"})
+    result = rollslip.run(scene, "steady-slip")
     weight = result.attrs["rollers_weight"]
     scene = json.loads(result.attrs["scene_resolved"])["bearing"]
     volume = 0.25 * math.pi * scene["roller_diameter"] ** 2 * scene["roller_length"]
