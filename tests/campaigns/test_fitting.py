@@ -229,9 +229,7 @@ def test_changed_bytes_and_cells_of_data_are_read_or_told_with_their_place(tmp_p
     assert 30 < read < 270
 
 
-@pytest.mark.parametrize(
-    ("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "1e-300")]
-)
+@pytest.mark.parametrize(("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "1e-300")])
 def test_data_at_the_ends_of_what_is_read_are_fitted_or_told(examples, capsys, column, cell):
     lines = [
         line.split(", ") for line in Path("twin-disc.csv").read_text(encoding="utf-8").splitlines()

@@ -380,6 +380,10 @@ def test_lines_are_no_wider_than_the_terminal_and_fifteen_at_most(width):
     assert any(line.startswith("  next") for line in lines)
 
 
+#: A law of traction that costs little.
+MURAKI = ("--set", "models.traction=muraki")
+
+
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory):
     """A scene as a user starts it, run by the command: its folder, its JSON, and its datasets."""
@@ -472,7 +476,7 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
 
 def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
     folder, *_ = ran
-    given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN", *SET_COARSE]
+    given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN", *SET_COARSE, *MURAKI]
     page = folder / "safe" / "report.html"
     done = CliRunner().invoke(
         cli, ["run", *given, "--study", "steady-slip", "--report", "--out", str(page.parent)]
@@ -707,6 +711,7 @@ def test_a_note_is_left_out_by_its_code(ran):
         "--no-plots",
         "--overwrite",
         "-v",
+        *MURAKI,
     ]
     done = CliRunner().invoke(cli, [*given, "--out", str(folder / "once"), "--ignore", "W17"])
     assert done.exit_code == 0
