@@ -24,6 +24,7 @@ from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_campaigns.comparison import ComparisonSettings
 from rollslip_campaigns.comparison.attribution import Bins, extract_criteria
+from rollslip_campaigns.comparison.figures import figures as drawn
 from rollslip_campaigns.comparison.findings import (
     ComparisonAccount,
     _format_difference,
@@ -842,6 +843,11 @@ def test_a_figure_is_the_same_bytes_each_time(tmp_path):
     first = save_plots(found, tmp_path / "a")
     again = save_plots(found, tmp_path / "b")
     assert [path.name for path in first] == ["comparison.svg"]
+    (_, _, figure) = next(drawn(found))
+    for panel in figure.axes:
+        assert max(line.get_xdata().max() for line in panel.lines) == pytest.approx(
+            100 * float(found["slip"].max())
+        )
     assert first[0].read_bytes() == again[0].read_bytes()
     assert list(account_of(found).topics(found)) == ["muraki, 300 N", "eyring, 300 N"]
 

@@ -764,6 +764,13 @@ def test_a_profile_says_why_it_ended(residuals, bounds, stops):
     assert np.isfinite(first.limits[-1]).all() == (bounds[1] == [5, 5])
 
 
+@pytest.mark.parametrize(("correlation", "digits"), [(-0.99954, "-0.999540"), (-0.9, "-0.900")])
+def test_a_correlation_next_to_one_has_more_digits(correlation, digits):
+    found = rollslip.fit(noisy(), parameters="eyring_stress,flash", rig=RIG)
+    found["correlation"][:] = [[1.0, correlation], [correlation, 1.0]]
+    assert f"correlation: eyring_stress with flash {digits}" in " ".join(FitAccount.lines(found))
+
+
 def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     points = {**NEAR, "points": ((343.15,), (0.9e9, 1.2e9)), "noise": 0.002}
     data = noisy(**points)

@@ -28,7 +28,7 @@ from rollslip.results.text import two_digits
 from rollslip.scene.reading import load_scene
 from rollslip.units import quantity
 from rollslip_campaigns.sweep import folder as swept
-from rollslip_campaigns.sweep.figures import describe_models
+from rollslip_campaigns.sweep.figures import describe_models, sweep_figures
 from rollslip_campaigns.sweep.findings import SweepAccount
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
 from rollslip_campaigns.sweep.run import Progress, SweepOutcome
@@ -616,6 +616,11 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
     (file,) = save_plots(models, tmp_path)
     assert file.name == "sweep-models.svg"
+    # boxes have the middle half of the samples, here the second and the third of four
+    [(_, _, figure)] = sweep_figures(models)
+    slips = models["critical_cage_slip"].sel(ring="inner").transpose(..., "sample").to_numpy()
+    ends = [(box.get_x(), box.get_x() + box.get_width()) for box in figure.axes[0].patches]
+    np.testing.assert_allclose(ends, 100 * np.sort(slips, axis=1)[:, [0, 2]])
     assert "the medians are up to" in file.read_text()
 
 

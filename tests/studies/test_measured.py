@@ -18,6 +18,7 @@ from rollslip.planning import execution
 from rollslip.planning.execution import read_measured
 from rollslip.results.accounts import answer, describe_measured, measured_rows
 from rollslip.results.text import two_digits
+from rollslip.studies import measured
 from rollslip.studies.measured import compare_points
 from rollslip_studies.steady_slip.study import SteadySlip
 from scattered import SCATTERED
@@ -188,6 +189,12 @@ def test_a_point_that_cannot_be_calculated_says_why(tmp_path):
     [record] = compare_points(points, SCATTERED, fail)
     assert (record["status"], record["calculated"]) == ("no orbit", None)
     assert record["normalised_error"] is None
+
+
+def test_a_condition_is_that_of_the_scene_by_its_value_or_by_its_name():
+    assert measured._is_same(300.0, 300)
+    assert not measured._is_same(300.0, "300")
+    assert measured._is_same("moes", "moes")
 
 
 def beside(found, *errors, alternatives=("",)):

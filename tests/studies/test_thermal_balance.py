@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.linalg import expm
+from scipy.optimize import brentq
 
 from loading_branch_scenes import catalogue
 from rollslip import evolve, get_model, load_scene, plan, sweep
@@ -215,6 +216,19 @@ def test_a_network_of_three_nodes_is_that_of_its_linear_equations():
         max(float(mpmath.re(one)) for one in mpmath.eig(scaled)[0]), rel=1e-6
     )
     assert found.error < 1e-12
+
+
+def test_a_node_that_is_in_balance_does_not_end_the_search_for_the_others():
+    """The shaft has its temperature after one step; the oil has a loss that falls with its temperature."""
+    model = get_model(
+        "thermal", "network", oil_flow=0.01, oil_inlet_temperature=320.0, ambient_temperature=290.0,
+        oil_capacity=50.0, shaft_capacity=900.0, **CUT | {"shaft_ambient": 5.0},
+    )  # fmt: skip
+    heated = Made(model, {"oil": lambda T: 300.0 * np.exp((320.0 - T[0]) / 20.0)})
+    curve, places = heated.curve(300.0, 400.0, 9)
+    [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
+    oil = brentq(lambda T: 300.0 * np.exp((320.0 - T) / 20.0) - 20.0 * (T - 320.0), 320.0, 340.0)
+    assert found.temperatures == pytest.approx([oil, 290.0], rel=1e-12)
 
 
 #: Ghiaus, "Dynamic models for building energy management", tutorial "simple wall" (github.com/cghiaus/dm4bem,
