@@ -190,7 +190,6 @@ PLANTED = {
     ],
     "too_large": [
         ("units.py", "VALUE = 1\n" * 600),
-        ("scene/thirteenth.py", "VALUE = 1"),
         ("bearing/__init__.py", "def helper():\n    return 1"),
     ],
     "named_studies": [
@@ -364,7 +363,7 @@ UNNAMED = {
 #: the supply of oil, the clearance in operation, laws of pressure and the drags that act by default. How many a library
 #: is made of is its own affair, and changes with its releases. A module that is split loads no more code: there is room
 #: for some of these.
-MOST = {"minimal": 184, "full": 240}
+MOST = {"minimal": 184, "full": 250}
 #: Libraries of a minimal run, with those that they take by themselves.
 LIBRARIES = {
     *(

@@ -20,7 +20,7 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
-from rollslip.results.answer import RULES
+from rollslip.results.verdict import RULES
 from rollslip.scene.relations import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class

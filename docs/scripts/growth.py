@@ -17,9 +17,9 @@ import time
 from pathlib import Path
 
 import numpy as np
+from output import write_table
 
 import rollslip
-from output import write_table
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip_studies.effective_friction.study import EffectiveFriction

@@ -25,19 +25,15 @@ from rollslip.results.accounts import account_of, describe_defaults, with_assump
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.answer import (
     MAX_LINES,
-    RULES,
     Answer,
-    Fact,
     Note,
     Row,
-    Verdict,
-    evaluate_rule,
-    is_as_bad,
     merge_answers,
     summarise_notes,
     with_verdict,
 )
 from rollslip.results.text import Status, describe_case, format_rounded_up, percent
+from rollslip.results.verdict import RULES, Fact, Verdict, evaluate_rule, is_as_bad
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 from rollslip_studies.steady_slip.findings import reserve_row
 

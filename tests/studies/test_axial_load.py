@@ -11,7 +11,7 @@ from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.planning.plausibility import implausible
 from rollslip.results.accounts import account_of
-from rollslip.results.answer import Fact
+from rollslip.results.verdict import Fact
 from rollslip.studies.study import settings
 from rollslip_studies.steady_slip.axial.limits import AXIAL_RULES
 from rollslip_studies.steady_slip.band import bands

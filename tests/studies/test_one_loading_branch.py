@@ -12,8 +12,8 @@ from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.results.accounts import account_of
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.text import Status
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip_studies.dynamics.over_time import onset_of
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.motion.spins import Motions

@@ -26,10 +26,10 @@ from rollslip.fields import FieldError
 from rollslip.geometry.bearing import Bearing, Catalogue
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.results.accounts import account_of
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures, styled
 from rollslip.results.text import Status, format_force, two_digits
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.steady_slip.torque import Duty

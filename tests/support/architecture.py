@@ -21,8 +21,6 @@ ORDER = (
 PLACES = ("framework/rollslip", "plugins/rollslip_studies", "plugins/rollslip_campaigns")
 #: The face of the package names everything, for types.
 FACE = "rollslip"
-#: Modules of a folder: as many names as a reader takes in at once.
-MAX_MODULES = 12
 #: Lines of code of a module, without docstrings, comments and blank lines: what is read in one sitting.
 MAX_CODE_LINES = 600
 #: A campaign may build upon another only here.
@@ -197,9 +195,8 @@ def depth(root: Path = ROOT) -> int:
 
 
 def too_large(root: Path = ROOT) -> list[str]:
-    """Folders with too many modules, modules with too much code, and folders whose face is more than a sentence."""
+    """Modules with too much code, and folders whose face is more than a sentence."""
     found = list[str]()
-    count = dict[Path, int]()
     known = modules(root)
     plugins = sorted((root / "plugins" / "rollslip_plugins").rglob("*.py"))
     for path in (*known.values(), *plugins):
@@ -208,14 +205,6 @@ def too_large(root: Path = ROOT) -> list[str]:
         lines = legibility.measure(text)["code_lines"] if text.count("\n") > MAX_CODE_LINES else 0
         if lines > MAX_CODE_LINES:
             found.append(f"{path.relative_to(root)} has {lines} lines of code")
-        if path.name != "__init__.py":
-            count[path.parent] = count.get(path.parent, 0) + 1
-    top_level = root / "framework" / "rollslip"
-    found += [
-        f"{of.relative_to(root)} has {number} modules"
-        for of, number in count.items()
-        if number > MAX_MODULES + 2 * (of == top_level)
-    ]
     for module, path in known.items():
         if path.name != "__init__.py" or module == FACE or folder(module) == "rollslip_campaigns":
             continue  # campaigns say there what they offer

@@ -21,8 +21,9 @@ from rollslip.cli.app import terminal
 from rollslip.cli.units import with_units
 from rollslip.results.accounts import account_of, describe_measured
 from rollslip.results.accounts import answer as answer_of
-from rollslip.results.answer import COLOURS, MAX_LINES, Answer, Verdict
+from rollslip.results.answer import COLOURS, MAX_LINES, Answer
 from rollslip.results.text import confidence, describe_law_outputs, first_line, in_brackets
+from rollslip.results.verdict import Verdict
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import scene_hash

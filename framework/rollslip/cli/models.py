@@ -24,7 +24,7 @@ from rollslip.errors import PluginError, UnknownNameError, did_you_mean, nearest
 from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
 from rollslip.references import ReferenceValue
-from rollslip.results.answer import RULES
+from rollslip.results.verdict import RULES
 from rollslip.scene.schema import shown_range
 from rollslip.structure import fields_of, resolved
 from rollslip.studies.validity import APPROXIMATION, describe_bound

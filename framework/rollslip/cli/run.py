@@ -219,8 +219,8 @@ def run(
     from rollslip.cli.time_limit import TimeLimit
     from rollslip.planning.execution import read_measured, studies_of_slip
     from rollslip.planning.plan import plan
-    from rollslip.results.answer import is_as_bad
     from rollslip.results.dataset import save
+    from rollslip.results.verdict import is_as_bad
 
     limit = TimeLimit(time_limit)
     planned = plan(scene_of(scene, changes), study)

@@ -21,11 +21,8 @@ from rollslip.results.account import Account, Contact, Figures
 from rollslip.results.answer import (
     ACCEPTABLE,
     NEGLIGIBLE_SLIP,
-    SKIDDING_SLIP,
     Answer,
-    Fact,
     Row,
-    Verdict,
     collect_notes,
     merge_answers,
 )
@@ -41,6 +38,7 @@ from rollslip.results.text import (
     small_load_notes,
     two_digits,
 )
+from rollslip.results.verdict import SKIDDING_SLIP, Fact, Verdict
 from rollslip.scene.reading import shipped_scenes
 from rollslip.structure import raise_problem_if
 from rollslip.units import converted, expect_results, format_quantity, shown_unit

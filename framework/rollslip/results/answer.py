@@ -10,7 +10,6 @@
 5. Texts have two digits, percent, rpm, °C and kN, no exponents; values and bands are SI and not rounded.
 """
 
-import enum
 import json
 import math
 import shutil
@@ -38,6 +37,7 @@ from rollslip.results.text import (
     two_digits,
     worst_messages,
 )
+from rollslip.results.verdict import Fact, Interval, Verdict, decide
 
 __all__ = [
     "ACCEPTABLE",
@@ -45,46 +45,16 @@ __all__ = [
     "MAX_LINES",
     "MAX_ROWS",
     "NEGLIGIBLE_SLIP",
-    "RULES",
-    "SKIDDING_SLIP",
     "Answer",
-    "Fact",
     "Note",
     "Row",
-    "Rule",
-    "Verdict",
     "collect_notes",
-    "is_as_bad",
     "merge_answers",
     "summarise_notes",
     "with_verdict",
 ]
 
 
-class Verdict(enum.StrEnum):
-    """The verdict of an answer on the slip of the cage."""
-
-    OK = "OK"  #: It slips less than is acceptable, and where data scatter less than twice that.
-    SLIPS = "SLIPS"  #: It slips more than is acceptable, or may, and does not skid.
-    SKIDS = "SKIDS"  #: It slips by more than `SKIDDING_SLIP`, or the drags are larger than the limit drag torque.
-    UNKNOWN = "UNKNOWN"  #: It may skid, or nothing is known, or the models are outside their range.
-
-
-class Fact(enum.StrEnum):
-    """A quantity that rules compare, by its name in messages."""
-
-    CAGE_SLIP = "cage slip"
-    ACCEPTABLE_SLIP = "acceptable slip"
-    BAND_HIGH = "high end of the band"
-    CHOICE = "largest slip by a choice that nobody made"
-    RESERVE = "reserve to skidding"
-    VISCOSITY_RATIO = "viscosity ratio kappa"
-    FILM_PARAMETER = "film parameter Lambda"
-    AXIAL_RATIO = "axial over radial load"
-
-
-#: Verdicts from the best to the worst. A bearing that slips more, or of which less is known, never gets a better one.
-_RANKS: Final = (Verdict.OK, Verdict.SLIPS, Verdict.UNKNOWN, Verdict.SKIDS)
 #: Colours of the letters and of the ground of each verdict, with the same contrast on dark and light terminals.
 COLOURS: Final = {
     Verdict.OK: ("black", "green"),
@@ -95,9 +65,6 @@ COLOURS: Final = {
 #: Cage slip that is acceptable where no result states another. Chosen, since no source states one: with a larger one
 #: minimum loads are lower, and the rules V6 and V7 hold later.
 ACCEPTABLE: Final = 0.05
-#: Cage slip from which a cage skids, in verdicts, reserves and motions alike. Chosen: drags near the limit drag torque
-#: lead to such slips.
-SKIDDING_SLIP: Final = 0.2
 #: Slip [-] below which neither an assumption nor a law outside its range matters. Chosen: a tenth of `ACCEPTABLE`.
 NEGLIGIBLE_SLIP: Final = 0.005
 #: Assumptions that are shown, at most; more do not fit into an answer.
@@ -233,104 +200,6 @@ def _quantity_text(name: str, value: float) -> str:
         return f"slip {percent(value)}" if math.isfinite(value) else "it skids"
     unit = " N m" if name == "friction torque" else ""
     return f"{name} {two_digits(value) if value > 0.0 else 'none'}{unit}"
-
-
-@attrs.frozen(kw_only=True)
-class Rule:
-    """A rule of the verdict, which holds if all its conditions hold."""
-
-    code: str
-    verdict: Verdict
-    #: Conditions: a fact, a sign and a limit, which is a number, or a factor on another fact. The sign "none" means
-    #: that the fact is not known.
-    conditions: tuple[tuple[Fact, str, float | tuple[float, Fact]], ...]
-    #: Text beside the row; {acceptable} and {twice} are once and twice the acceptable slip.
-    remark: str = ""
-    #: The same where the accuracy of the facts leaves open whether the rule holds; empty if it is the remark.
-    open_remark: str = ""
-    row: str = "cage_slip"  #: Key of the row beside which the remark is shown.
-    source: str = "a choice"  #: Reason of the limit.
-    remedy: str = ""  #: What decides an open verdict.
-
-    @property
-    def condition(self) -> str:
-        """All conditions in words; "else" where there is none."""
-        texts = []
-        for fact, sign, limit in self.conditions:
-            if sign == "none":
-                texts.append(f"{fact} is not known")
-            elif not isinstance(limit, tuple):
-                texts.append(f"{fact} {sign} {limit:g}")
-            else:
-                factor, other = limit
-                number = other if factor == 1.0 else f"{factor:g} x {other}"
-                texts.append(f"{fact} {sign} {number}")
-        return " and ".join(texts) or "else"
-
-
-#: The rules of the verdict. Of those that hold the one for the worst verdict decides, of several the first.
-RULES: Final = (
-    Rule(code="V3", verdict=Verdict.SKIDS, conditions=((Fact.CAGE_SLIP, ">", SKIDDING_SLIP),), remark="above 20 %"),
-    Rule(code="V1", verdict=Verdict.SKIDS, conditions=((Fact.RESERVE, "<", 1.0),), row="drag_reserve",
-         remark="the drags are larger than what the rollers carry", source="balance of torques"),
-    Rule(code="V2", verdict=Verdict.UNKNOWN, conditions=((Fact.CAGE_SLIP, "none", 0.0),), source="nothing can be said"),
-    Rule(code="V4", verdict=Verdict.UNKNOWN, conditions=((Fact.RESERVE, "<", 1.5),), row="drag_reserve",
-         remark="below 1.5, may skid", source="a choice: drags are known to a factor"),
-    Rule(code="V5", verdict=Verdict.UNKNOWN, conditions=((Fact.BAND_HIGH, ">", SKIDDING_SLIP),),
-         remark="may skid", remedy="rollslip uncertainty SCENE says which data decide; state these"),
-    Rule(code="V10", verdict=Verdict.UNKNOWN, conditions=((Fact.CHOICE, ">", SKIDDING_SLIP),),
-         remark="may skid, see assumed",
-         remedy="state in the scene what the answer has under 'assumed'; rollslip run SCENE --all lists all of it"),
-    Rule(code="V11", verdict=Verdict.UNKNOWN, conditions=((Fact.VISCOSITY_RATIO, ">", 100.0),), row="film_parameter",
-         remark="kappa above 100 is outside the range of the models"),
-    Rule(code="V12", verdict=Verdict.UNKNOWN, conditions=((Fact.FILM_PARAMETER, "<", 0.1),), row="film_parameter",
-         remark="Lambda below 0.1 is outside the range of the models"),
-    Rule(code="V13", verdict=Verdict.UNKNOWN, conditions=((Fact.AXIAL_RATIO, ">", 0.5),), row="axial_load",
-         remark="above half of the radial load, friction of the ribs decides",
-         source="SKF, general catalogue 17000: at most half of the radial load",
-         remedy="more radial load, or models.rib by a measurement"),
-    Rule(code="V6", verdict=Verdict.SLIPS, conditions=((Fact.CAGE_SLIP, ">", (1.0, Fact.ACCEPTABLE_SLIP)),),
-         remark="above the acceptable {acceptable}", open_remark="may be above the acceptable {acceptable}",
-         source="what a scene calls acceptable, by default a choice"),
-    Rule(code="V7", verdict=Verdict.SLIPS, conditions=((Fact.BAND_HIGH, ">", (2.0, Fact.ACCEPTABLE_SLIP)),),
-         remark="may be above {twice}"),
-    Rule(code="V8", verdict=Verdict.SLIPS, conditions=((Fact.RESERVE, "<", 2.0),), row="drag_reserve",
-         remark="below 2, may slip", source="a choice: drags are known to a factor"),
-    Rule(code="V9", verdict=Verdict.OK, conditions=(), source="else"),
-)  # fmt: skip
-#: Lower and upper bound of a fact.
-_Interval = tuple[float, float]
-#: A fact that is not known.
-_NOT_KNOWN: Final[_Interval] = (math.nan, math.nan)
-
-
-def evaluate_rule(rule: Rule, facts: Mapping[Fact, _Interval]) -> bool | None:
-    """Return whether all conditions of a rule hold; None where the facts do not decide it."""
-    states = [
-        _evaluate_condition(facts.get(fact, _NOT_KNOWN), sign, limit, facts)
-        for fact, sign, limit in rule.conditions
-    ]
-    if False in states:
-        return False
-    return None if None in states else True
-
-
-def _evaluate_condition(
-    fact: _Interval, sign: str, limit: float | tuple[float, Fact], facts: Mapping[Fact, _Interval]
-) -> bool | None:
-    """Return whether a fact is below ("<") or above (">") a limit; None where their intervals overlap."""
-    if sign == "none":
-        return math.isnan(fact[0])
-    if isinstance(limit, tuple):
-        factor, other = limit
-        low, high = facts.get(other, _NOT_KNOWN)
-        bounds = factor * low, factor * high
-    else:
-        bounds = limit, limit
-    smaller, larger = (fact, bounds) if sign == "<" else (bounds, fact)
-    if smaller[1] < larger[0]:
-        return True
-    return False if smaller[0] >= larger[1] else None
 
 
 @attrs.frozen(kw_only=True)
@@ -584,7 +453,7 @@ def _best_rows(answers: Iterable[tuple[str, Answer]]) -> tuple[dict[str, Row], l
 
 def with_verdict(answer: Answer) -> Answer:
     """Return an answer with its verdict, and a remark beside the row that decided."""
-    rule, verdict, remark = _decide(answer_facts(answer))
+    rule, verdict, remark = decide(answer_facts(answer))
     if remark:
         remark = f"{rule.code}: " + remark.format(
             acceptable=f"{format_plain(100.0 * answer.acceptable)} %",
@@ -608,51 +477,7 @@ def with_verdict(answer: Answer) -> Answer:
     )
 
 
-def _decide(facts: Mapping[Fact, _Interval]) -> tuple[Rule, Verdict, str]:
-    """Return the rule that decides, its verdict and the remark.
-
-    A rule that known facts leave open counts as one that holds, because its accuracy does not exclude it; a rule for
-    SKIDS leads to UNKNOWN then. A rule whose facts are not known leads to UNKNOWN where its verdict is worse, unless
-    that is UNKNOWN itself, as of ranges of the models.
-    """
-    candidates = list[tuple[Rule, Verdict, str]]()
-    unknown = list[tuple[Rule, Verdict, str]]()
-    for rule in RULES:
-        state = evaluate_rule(rule, facts)
-        missing = [
-            fact for fact, *_ in rule.conditions if math.isnan(facts.get(fact, _NOT_KNOWN)[0])
-        ]
-        if state is None and missing:
-            remark = f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
-            unknown.append((rule, Verdict.UNKNOWN, remark))
-        elif state is None and rule.verdict is Verdict.SKIDS:
-            remark = f"whether {rule.condition} is not known"
-            candidates.append((rule, Verdict.UNKNOWN, remark))
-        elif state is not False:
-            remark = rule.remark if state else rule.open_remark or rule.remark
-            candidates.append((rule, rule.verdict, remark))
-    rank = _RANKS.index
-    worst = max(candidates, key=lambda candidate: rank(candidate[1]))
-    for candidate in unknown:
-        is_worse = rank(worst[1]) < rank(candidate[0].verdict)
-        if is_worse and Verdict.UNKNOWN not in (worst[1], candidate[0].verdict):
-            return candidate
-    return worst
-
-
-def is_as_bad(verdict: str, other: str) -> bool:
-    """Whether a verdict is at least as bad as another one; no verdict is not.
-
-    Parameters
-    ----------
-    verdict, other : str
-        Verdicts in any letters.
-    """
-    ranks = {name.casefold(): rank for rank, name in enumerate(_RANKS)}
-    return ranks.get(verdict.casefold(), -1) >= ranks[other.casefold()]
-
-
-def answer_facts(answer: Answer) -> dict[Fact, _Interval]:
+def answer_facts(answer: Answer) -> dict[Fact, Interval]:
     """Return the facts that rules compare, as lower and upper bounds; facts that are not known are left out."""
     known = {row.key: row for row in answer.rows if not math.isnan(row.value)}
     values = dict(answer.facts)

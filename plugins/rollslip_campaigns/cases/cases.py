@@ -15,8 +15,9 @@ import numpy as np
 
 from rollslip.planning.execution import measured_attribute, read_measured
 from rollslip.planning.progress import ProgressReporter
-from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row, with_verdict
+from rollslip.results.answer import ACCEPTABLE, Answer, Row, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, about, save, xr
+from rollslip.results.verdict import Fact
 from rollslip.scene.changes import evolve
 from rollslip.search import Array
 from rollslip.structure import raise_problem_if

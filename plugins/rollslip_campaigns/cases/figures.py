@@ -9,11 +9,12 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from rollslip.results.answer import COLOURS, Verdict
+from rollslip.results.answer import COLOURS
 from rollslip.results.curve_figures import mark_measured, measured_values
 from rollslip.results.dataset import xr
 from rollslip.results.style import Sheet, unit_label
 from rollslip.results.text import capitalise, short_label
+from rollslip.results.verdict import Verdict
 from rollslip.units import converted, shown_unit
 
 __all__ = ["case_figures", "draw_cases"]

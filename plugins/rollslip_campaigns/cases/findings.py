@@ -8,11 +8,12 @@ from typing import Any, ClassVar, Final
 import numpy as np
 
 from rollslip.results.account import Account, SpreadsheetRows, Table
-from rollslip.results.answer import Answer, Verdict, is_as_bad
+from rollslip.results.answer import Answer
 from rollslip.results.curves import or_none
 from rollslip.results.dataset import xr
 from rollslip.results.table import point_rows
 from rollslip.results.text import format_hours, percent
+from rollslip.results.verdict import Verdict, is_as_bad
 from rollslip.units import format_quantity
 from rollslip_campaigns.sweep.findings import answer_table, point_table
 

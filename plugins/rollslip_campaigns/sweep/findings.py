@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import Account, SpreadsheetRows, Table
-from rollslip.results.answer import ACCEPTABLE, MAX_ROWS, Answer, Row, Verdict, with_verdict
+from rollslip.results.answer import ACCEPTABLE, MAX_ROWS, Answer, Row, with_verdict
 from rollslip.results.dataset import STATUS_VARIABLE, UNITS, xr
 from rollslip.results.table import sheet
 from rollslip.results.text import (
@@ -22,6 +22,7 @@ from rollslip.results.text import (
     two_digits,
     with_unit,
 )
+from rollslip.results.verdict import Verdict
 from rollslip.units import format_quantity
 
 __all__ = [

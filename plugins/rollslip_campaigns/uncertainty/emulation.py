@@ -7,8 +7,8 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import about, xr
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip.search import Array
 from rollslip_campaigns.uncertainty.emulator import Basis, scales
 from rollslip_campaigns.uncertainty.estimators import Estimate, estimate_variables, fraction

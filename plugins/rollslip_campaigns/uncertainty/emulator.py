@@ -20,7 +20,7 @@ from typing import Final
 import attrs
 import numpy as np
 
-from rollslip.results.answer import SKIDDING_SLIP
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip.search import Array
 from rollslip_campaigns.uncertainty.estimators import Estimate
 from rollslip_studies.motion.loading_branch import SEARCH

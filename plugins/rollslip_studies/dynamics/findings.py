@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 
 from rollslip.results.account import Account, Contact, Table
-from rollslip.results.answer import Answer, Row, Verdict
+from rollslip.results.answer import Answer, Row
 from rollslip.results.dataset import xr
 from rollslip.results.text import (
     EFFECTIVE_FRICTION_ERROR,
@@ -18,6 +18,7 @@ from rollslip.results.text import (
     percent,
     precise_percent,
 )
+from rollslip.results.verdict import Verdict
 from rollslip.search import Array
 from rollslip.units import format_quantity
 from rollslip_studies.dynamics import history_findings

@@ -57,7 +57,7 @@ import numpy as np
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.answer import SKIDDING_SLIP
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip.search import illinois_root, polynomial_maximum, secant_root
 from rollslip_studies.motion.spins import (
     DISTINCT,

@@ -32,8 +32,8 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.text import SMALLEST_SLIP, Status
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip.units import format_quantity
 from rollslip_studies.motion.effective_table import EffectiveTable, effective_table
 from rollslip_studies.motion.loading_branch import (

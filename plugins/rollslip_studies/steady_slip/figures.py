@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
 from rollslip.results.accounts import account_of
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.curve_figures import mark_measured, measured_values
 from rollslip.results.dataset import xr
 from rollslip.results.style import (
@@ -33,6 +32,7 @@ from rollslip.results.style import (
     unit_label,
 )
 from rollslip.results.text import format_slip_band, percent, stated_load, two_digits
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip.scene.reading import from_raw
 from rollslip.search import Array
 from rollslip.units import converted, shown_unit

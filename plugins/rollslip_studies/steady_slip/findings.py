@@ -10,7 +10,7 @@ import numpy as np
 
 from rollslip.results.account import Account
 from rollslip.results.accounts import largest_load_row, with_assumptions
-from rollslip.results.answer import ACCEPTABLE, Answer, Fact, Row
+from rollslip.results.answer import ACCEPTABLE, Answer, Row
 from rollslip.results.text import (
     Status,
     force_unit,
@@ -23,6 +23,7 @@ from rollslip.results.text import (
     two_digits,
 )
 from rollslip.results.text import precise_percent as _percent
+from rollslip.results.verdict import Fact
 from rollslip.units import format_quantity
 from rollslip_studies.steady_slip.axial import findings as axial
 from rollslip_studies.steady_slip.friction_torque.findings import (

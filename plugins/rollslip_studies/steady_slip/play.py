@@ -15,9 +15,9 @@ import numpy as np
 
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.results.answer import SKIDDING_SLIP
 from rollslip.results.dataset import about
 from rollslip.results.text import Status
+from rollslip.results.verdict import SKIDDING_SLIP
 from rollslip_studies.motion.pockets import (
     NEGLIGIBLE_PLAY,
     NO_CHANGE,
