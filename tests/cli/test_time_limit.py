@@ -72,7 +72,7 @@ def test_a_study_that_takes_too_long_fails_and_the_others_are_kept(tmp_path, mon
     requested = ["run", "gearbox", "--no-plots", "--out", str(folder), *SET_COARSE]
     done = CliRunner().invoke(cli, [*requested, "--time-limit", "4 min"])
     assert isinstance(done.exception, ConvergenceError)
-    assert str(done.exception).endswith("is kept: took longer than 240 s; raise --time-limit")
+    assert str(done.exception).endswith("is stored: took longer than 240 s; raise --time-limit")
     assert sorted(file.name for file in folder.glob("*.nc")) == ["effective-friction.nc"]
 
 

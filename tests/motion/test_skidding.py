@@ -388,7 +388,7 @@ def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction
     effective = found(assembly, effective=True).drag
     said = describe_near_skidding(few(), 0.4)
     slip, off = re.fullmatch(
-        r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction is off "
+        r"with a cage slip of 40 % the cage is near skidding, which begins at (\S+) %, where effective friction errs "
         r"by (\S+) % of the drag",
         said,
     ).groups()
