@@ -15,11 +15,12 @@ from broken_import import BROKEN as BROKEN_IMPORT
 from broken_models import BROKEN as BROKEN_MODELS
 from broken_models import FATAL, fault_of, install
 from broken_numbers import BROKEN as BROKEN_NUMBERS
+from broken_pressures import BROKEN as BROKEN_PRESSURES
 from broken_studies import BROKEN as BROKEN_STUDIES
 from rollslip.testing import all_checks, checks_of
 from rollslip.testing.findings import run_check
 
-BROKEN = [*BROKEN_MODELS, *BROKEN_NUMBERS, *BROKEN_IMPORT, *BROKEN_STUDIES]
+BROKEN = [*BROKEN_MODELS, *BROKEN_NUMBERS, *BROKEN_PRESSURES, *BROKEN_IMPORT, *BROKEN_STUDIES]
 ONE_LINE = 160
 
 

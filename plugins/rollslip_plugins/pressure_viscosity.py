@@ -61,7 +61,7 @@ class Barus(PressureViscosity):
     )
     factor: float = factor_of_oil()
     name: ClassVar[str] = "barus"
-    equation: ClassVar[str] = "eta = eta0 exp(alpha p)"
+    equation: ClassVar[str] = "eta = eta0 exp(f alpha p)"
     references: ClassVar[tuple[Reference, ...]] = (BARUS,)
     reads = frozenset(
         {
@@ -184,7 +184,7 @@ class Roelands(PressureViscosity):
     )
     name: ClassVar[str] = "roelands"
     equation: ClassVar[str] = (
-        "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
+        "eta = eta0 exp{f k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
     )
     references: ClassVar[tuple[Reference, ...]] = (ROELANDS,)
     reads = Barus.reads

@@ -10,7 +10,7 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 
-from broken_models import SOURCE, Film, Line, Resistance, Springs, Traction, listing
+from broken_models import SOURCE, Drag, Film, Line, Resistance, Springs, Traction, listing
 from rollslip.fields import parameter, positive
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, ReferenceValue, TractionModel
 
@@ -293,3 +293,35 @@ class Wavy(Heated):
     """It says a shape that nobody knows."""
 
     shapes = MappingProxyType({"cold": "wavy"})
+
+
+# Equations -----------------------------------------------------------------------------------------------------------
+
+EQUATION = "check_computes_its_equation"
+
+
+@breaks(EQUATION)
+class BothSurfaces(Resistance):
+    """Its equation is for each surface, and it returns the resistance of both."""
+
+    def evaluate(self, slices):
+        super().evaluate(slices)
+        slices.resistance[...] *= 2.0
+
+
+@breaks(EQUATION)
+class TurnsPerMinute(Drag):
+    """It takes the speed of the cage in 1/min."""
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return super().torque(30.0 / np.pi * cage_speed, inner_speed, outer_speed)
+
+
+@breaks(EQUATION)
+class DigitsExchanged(Film):
+    """Two digits of an exponent are exchanged between the equation and the code."""
+
+    equation = "h/R = c (eta u/w)^0.96"
+
+    def law(self, s, c):
+        return self.factor * c.radius * (c.viscosity * s.rolling_speed / s.load) ** 0.69

@@ -1,5 +1,6 @@
 """Every model in the box against the conformance kit, and the kit as packages use it: class, function, process."""
 
+import contextlib
 import json
 import subprocess
 import sys
@@ -8,7 +9,7 @@ from types import SimpleNamespace
 import attrs
 import pytest
 
-from broken_models import Explicit
+from broken_models import Explicit, Film
 from kit import LEFT
 from rollslip import available, get_model
 from rollslip.catalogue.kinds import get_kind, kinds
@@ -20,12 +21,15 @@ from rollslip.testing import (
     all_checks,
     as_dict,
     check_in_subprocess,
+    checks_of,
     conformance,
     format_findings,
 )
+from rollslip.testing.declared import check_computes_its_equation
 from rollslip.testing.findings import cases_of, run_after_prerequisite
 from rollslip.testing.numbers import OPERATIONS, operations
-from rollslip.testing.samples import table
+from rollslip.testing.rules import Inapplicable
+from rollslip.testing.samples import table, with_scene
 from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
 from rollslip_plugins.film.formulas import PanHamrock
 from rollslip_plugins.integrators.rules import check_error_falls_with_the_tolerance
@@ -383,3 +387,41 @@ def test_errors_of_rounding_need_not_fall_with_the_tolerance():
         solver_name = "Careful"
 
     check_error_falls_with_the_tolerance(Careful())
+
+
+#: Built-in laws whose equation is explicit in symbols that are documented.
+EXPLICIT = """barus blok churning constant constant-torque dowson-1968 dowson-higginson dowson-toyoda
+    goksem-hargreaves gupta herrebrugh hertz hysteresis iso16281 kragelsky light-contact lundberg martin palmgren
+    zhou-hoeprich"""
+
+
+def test_which_equations_of_built_in_laws_are_evaluated():
+    """The names are of explicit equations, read one by one; what iterates, integrates or has submodels is not."""
+    compared = set()
+    models = box("contact", "film", "pressure", "traction", "drag")
+    for model in (*models, *TestPressureViscosity.models):
+        if check_computes_its_equation in checks_of(model):
+            with contextlib.suppress(Inapplicable):
+                check_computes_its_equation(with_scene(model))
+                compared.add(model.name)
+    assert compared == set(EXPLICIT.split())
+
+
+@pytest.mark.parametrize(
+    "equation",
+    [
+        "h = __import__(c)",
+        "h = c.factor",
+        "h = (lambda: c)()",
+        "h = c if c else c",
+        "h = x, x = c x",
+        "h = mean of c",
+        "h = c (",
+        "",
+    ],
+)
+def test_an_equation_is_never_executed(equation):
+    """What is no arithmetic in known symbols is left out, and so is what needs itself."""
+    model = type("Other", (Film,), {"equation": equation, "__module__": __name__})()
+    with pytest.raises(Inapplicable):
+        check_computes_its_equation(model)

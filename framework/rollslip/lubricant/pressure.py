@@ -125,7 +125,7 @@ def factor_of_oil() -> Any:
         default=1.0,
         kw_only=True,
         validator=positive,
-        metadata={"key": None, "unit": "1", "doc": "factor on ln(eta/eta0)", "of_oil": "factor"},
+        metadata={"key": None, "unit": "1", "doc": "factor f on ln(eta/eta0)", "of_oil": "factor"},
     )
 
 
