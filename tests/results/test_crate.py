@@ -12,8 +12,9 @@ import pytest
 
 import rollslip
 from coarse import coarse
+from rollslip.catalogue.installed import digest_of_files
 from rollslip.errors import SceneError
-from rollslip.results.dataset import CRATE
+from rollslip.results.dataset import CRATE, PACKAGES
 
 ABOUT = {
     "title": "Slip",
@@ -59,8 +60,9 @@ def test_the_file_has_what_the_specification_demands(folder, graph):
     assert all(root[key] for key in ("name", "description", "datePublished", "license"))
     known = graph.keys() | {"https://w3id.org/ro/crate/1.1"}
     assert {link for entity in graph.values() for link in links(entity)} <= known
-    assert {link["@id"] for link in root["hasPart"]} == {"first.nc", "second.nc", "notes.txt"}
-    for name in ("first.nc", "second.nc", "notes.txt"):
+    files = {"first.nc", "second.nc", "notes.txt", PACKAGES}
+    assert {link["@id"] for link in root["hasPart"]} == files
+    for name in files:
         content = (folder / name).read_bytes()
         assert graph[name]["contentSize"] == str(len(content))
         assert graph[name]["sha256"] == hashlib.sha256(content).hexdigest()
@@ -84,13 +86,52 @@ def test_a_run_has_its_command_platform_programs_models_and_scene(folder, graph)
     for name, version in json.loads(result.attrs["packages"]).items():
         assert graph[f"#package-{name}"]["softwareVersion"] == version
         assert f"#package-{name}" in instruments
-    record = importlib.metadata.distribution("numpy").read_text("RECORD")
-    assert graph["#package-numpy"]["sha256"] == hashlib.sha256(record.encode()).hexdigest()
+    assert len(graph["#package-numpy"]["sha256"]) == 64
     for model in json.loads(result.attrs["models"]):
         assert f"#model-{model['kind']}-{model['name']}" in instruments
     assert graph[run["object"]["@id"]]["text"] == result.attrs["scene"]
     texts = [graph[link["@id"]]["name"] for link in graph["./"]["citation"]]
     assert {*texts} == {*json.loads(result.attrs["citations"])}
+
+
+def test_packages_are_listed_with_their_requirements_versions_and_digests(folder, graph):
+    lines = (folder / PACKAGES).read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith(f"# Python {platform.python_version()}.")
+    listed = dict(line.split("  # ") for line in lines[2:])
+    # pyproject.toml requires h5netcdf, and matplotlib requires pillow
+    for name in ("rollslip", "numpy", "xarray", "h5netcdf", "pillow"):
+        assert f"{name}=={importlib.metadata.version(name)}" in listed
+    numpy = listed[f"numpy=={importlib.metadata.version('numpy')}"]
+    assert numpy == graph["#package-numpy"]["sha256"]
+    assert not any(line.startswith("pytest") for line in listed)  # an extra
+
+
+INSTALLED = (
+    "../../../bin/other,sha256={bin},228\nother-1.dist-info/INSTALLER,sha256=zu,4\n"
+    "other-1.dist-info/RECORD,,\nother/__pycache__/a.pyc,,\nother/a.py,sha256={file},10\n"
+)
+
+
+def test_a_digest_is_that_of_the_files_and_not_of_where_they_are(tmp_path, monkeypatch):
+    """The shebang of a command has the folder of the environment, so that its digest is another on each computer."""
+    folder = tmp_path / "other-1.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1\n", "utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    digests = []
+    for changes in (
+        {"bin": "a", "file": "f"},
+        {"bin": "b", "file": "f"},
+        {"bin": "a", "file": "g"},
+    ):
+        (folder / "RECORD").write_text(INSTALLED.format(**changes), encoding="utf-8")
+        digests.append(digest_of_files("other"))
+    # printf 'other/a.py,sha256=f,10' | sha256sum
+    assert digests[0] == "57c4fe36b48b7ce06fe3670982b79302e14420db08efe65e6d34735e72b29012"
+    assert digests[1] == digests[0]
+    assert digests[2] != digests[0]
+    (folder / "RECORD").write_text("", encoding="utf-8")
+    assert digest_of_files("other") == ""
 
 
 def test_a_doi_replaces_its_place_and_wrong_keys_are_refused_before_a_file_is_written(tmp_path):

@@ -1,5 +1,6 @@
 """Read the kinds and objects that installed packages offer from package metadata, without importing any package."""
 
+import csv
 import hashlib
 import importlib.metadata
 import importlib.util
@@ -16,9 +17,21 @@ from typing import Final
 import attrs
 
 __all__ = [
-    "THIS_PROCESS", "UNPACKAGED", "Offer", "by_package", "canonical", "edited", "entry_points", "installed",
-    "is_disabled", "kinds", "ordered", "with_session",
-]  # fmt: skip
+    "THIS_PROCESS",
+    "UNPACKAGED",
+    "Offer",
+    "by_package",
+    "canonical",
+    "digest_of_files",
+    "edited",
+    "entry_points",
+    "installed",
+    "is_disabled",
+    "kinds",
+    "ordered",
+    "with_requirements",
+    "with_session",
+]
 
 
 #: Name in place of a package of objects that this process has registered.
@@ -246,3 +259,43 @@ def _digest(package: str) -> str:
             if path.is_file() and path.suffix != ".pyc":
                 digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
+
+
+#: Files of a package that its installer writes, which differ where the package is the same.
+_BY_INSTALLER: Final = re.compile(
+    r"\.\./|[^/]*\.dist-info/(INSTALLER|REQUESTED|RECORD|direct_url\.json)"
+)
+
+
+def digest_of_files(package: str) -> str:
+    """Return a digest of the installed files of a package, of the digests in its RECORD; empty if it has none.
+
+    Commands and notes of the installer are left out, because they name folders of one computer. The same wheel has the
+    same digest anywhere. Of an editable installation the files themselves are read.
+    """
+    if digest := _digest(package):
+        return digest
+    record = importlib.metadata.distribution(package).read_text("RECORD") or ""
+    rows = sorted(
+        ",".join(row)
+        for row in csv.reader(record.splitlines())
+        if row[1] and not _BY_INSTALLER.match(row[0])
+    )
+    return hashlib.sha256("\n".join(rows).encode()).hexdigest() if rows else ""
+
+
+def with_requirements(packages: Iterable[str]) -> list[str]:
+    """Return installed packages and all that they require without extras, sorted by name; others are left out."""
+    from packaging.requirements import Requirement
+
+    found = dict[str, importlib.metadata.Distribution]()
+    left = [*packages]
+    while left:
+        name = canonical(left.pop())
+        if name in found:
+            continue
+        with suppress(importlib.metadata.PackageNotFoundError):
+            found[name] = importlib.metadata.distribution(name)
+            needed = map(Requirement, found[name].requires or ())
+            left += [r.name for r in needed if r.marker is None or r.marker.evaluate({"extra": ""})]
+    return sorted(found)

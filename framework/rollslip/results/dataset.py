@@ -24,7 +24,7 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import reduce
 from hashlib import sha256
@@ -39,7 +39,7 @@ from urllib.parse import quote
 import attrs
 import numpy as np
 
-from rollslip.catalogue.installed import edited
+from rollslip.catalogue.installed import digest_of_files, with_requirements
 from rollslip.errors import OutputError, SceneError, nearest
 from rollslip.files import readable, whole_file
 from rollslip.references import Citation, from_dict, unique_works
@@ -404,6 +404,8 @@ def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
 
 #: File with the metadata of a research object, named by the specification.
 CRATE: Final = "ro-crate-metadata.json"
+#: File with the versions of all packages, for pip, and digests of their files.
+PACKAGES: Final = "rollslip-packages.txt"
 #: Terms of the metadata, and the version of the specification that it conforms to.
 _CONTEXT: Final = "https://w3id.org/ro/crate/1.1"
 #: Type of netCDF files, which the standard library does not know.
@@ -500,11 +502,12 @@ def write_crate(
         "@type": "CreativeWork",
         "name": published.licence or _NOT_STATED,
     }
-    files = [_file(folder, name) for name in _published_files(folder)]
-    runs = [_run(name, attributes) for name, attributes in results.items()]
     packages: dict[str, str] = reduce(
         or_, (json.loads(a.get("packages", "{}")) for a in results.values())
     )
+    _write_packages(folder / PACKAGES, packages)
+    files = [_file(folder, name) for name in _published_files(folder)]
+    runs = [_run(name, attributes) for name, attributes in results.items()]
     values = [value for a in results.values() for value in json.loads(a.get("bibliography", "[]"))]
     sources = [_source(value) for value in values]
     root = _root(published, results) | {
@@ -535,6 +538,19 @@ def write_crate(
         text = json.dumps(document, indent=1, ensure_ascii=False)
         partial.write_text(f"{text}\n", encoding="utf-8")
     return path
+
+
+def _write_packages(path: Path, packages: Iterable[str]) -> None:
+    """Write the versions of packages and of all that they require, each with the digest of its files."""
+    lines = [
+        f"# Python {platform.python_version()}. pip install -r {path.name} installs these versions. After a version",
+        "# stands the sha256 of the installed files, as in RECORD: where it is the same, the program is.",
+    ]
+    for name in with_requirements(packages):
+        version = importlib.metadata.version(name)
+        lines.append(f"{name}=={version}  # {digest_of_files(name)}")
+    with whole_file(path) as partial:
+        partial.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 def _root(published: Publication, results: Mapping[str, Mapping[Any, Any]]) -> dict[str, Any]:
@@ -612,8 +628,7 @@ def _program(name: str, version: str) -> dict[str, Any]:
     """Return the entity of a package, with a checksum of its files where it is installed."""
     about = {}
     with suppress(importlib.metadata.PackageNotFoundError):
-        record = importlib.metadata.distribution(name).read_text("RECORD") or ""
-        about["sha256"] = edited([name]).get(name) or sha256(record.encode()).hexdigest()
+        about["sha256"] = digest_of_files(name)
     return {
         "@id": f"#package-{quote(name)}",
         "@type": "SoftwareApplication",
