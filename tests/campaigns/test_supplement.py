@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +17,9 @@ from rollslip.planning.execution import compute
 from rollslip.planning.plan import plan
 from rollslip.results.dataset import CRATE
 from rollslip.results.style import styled
+from rollslip_campaigns.supplement import SupplementSettings
 from rollslip_campaigns.supplement.figures import supplement_figures
+from rollslip_campaigns.supplement.supplement import plan_supplement
 
 TABLES = {
     "sweep": {
@@ -169,3 +172,11 @@ def test_what_cannot_be_written_is_refused_before_a_point_is_computed(supplement
 def test_a_scene_without_the_tables_is_refused():
     with pytest.raises(SceneError, match=r"has no table \[sweep\]; a supplement needs"):
         rollslip.supplement("gearbox")
+
+
+def test_the_comparison_of_laws_films_and_oils_has_36_points():
+    """The example that the page on supplements reproduces: 4 laws, 3 films, 3 oils."""
+    file = Path(__file__).parents[2] / "docs" / "examples" / "laws.toml"
+    made = plan_supplement(SupplementSettings(rollslip.load_scene(file)))
+    assert [axis.coordinate.size for axis in made.sweep.design.axes] == [4, 3, 3]
+    assert made.unusual == ()
