@@ -1046,6 +1046,10 @@ OILS = {  # what is wrong with it, for the table: a value has no docstring
         "check_constants_are_parameters_of_laws",
         oil(models={"flush": 1.0}),
     ),
+    "it has a negative constant": (
+        "check_constants_are_parameters_of_laws",
+        oil(models={"eyring": {"flash": -1.0}}),
+    ),
 }
 BROKEN += OILS.values()
 

@@ -295,6 +295,14 @@ class Wavy(Heated):
     shapes = MappingProxyType({"cold": "wavy"})
 
 
+@breaks("check_torque_is_less_than_rollers_can_exert")
+class TorqueOfMillimetres(Drag):
+    """The cube of a radius is in mm."""
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return 1e9 * super().torque(cage_speed, inner_speed, outer_speed)
+
+
 # Equations -----------------------------------------------------------------------------------------------------------
 
 EQUATION = "check_computes_its_equation"

@@ -31,6 +31,7 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
+from rollslip.structure import Location, structure
 from rollslip.testing.rules import (
     CITATIONS_WANTED,
     DENORMAL,
@@ -632,12 +633,9 @@ def check_properties_are_usual(oil: Lubricant) -> None:
 
 @rule(Lubricant)
 def check_constants_are_parameters_of_laws(oil: Lubricant) -> None:
-    """Constants in a table of a law are its parameters, and others are parameters of some law of a contact."""
-    laws = {
-        name: attrs.fields_dict(get_class(kind, name)).keys()
-        for kind in _CONTACT_KINDS
-        for name in available(kind)
-    }
+    """Constants in a table of a law are its parameters, others those of some law of a contact; laws accept them."""
+    classes = {name: get_class(kind, name) for kind in _CONTACT_KINDS for name in available(kind)}
+    laws = {name: attrs.fields_dict(cls).keys() for name, cls in classes.items()}
     every = set().union(*laws.values())
     unknown = [
         key
@@ -653,6 +651,12 @@ def check_constants_are_parameters_of_laws(oil: Lubricant) -> None:
     refuse_unless(
         not unknown, f"its constants {', '.join(unknown)} are of no law that is installed"
     )
+    problems = list[str]()
+    for name, cls in classes.items():
+        if constants := oil.constants_for(name, laws[name]):
+            structure(cls, constants, Location({}, (name,)), problems)
+    refused = [problem for problem in problems if ": missing, but required" not in problem]
+    refuse_unless(not refused, "; ".join(refused))
 
 
 @rule(Lubricant)

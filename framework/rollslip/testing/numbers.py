@@ -43,6 +43,7 @@ from rollslip.testing.rules import (
 from rollslip.testing.samples import (
     BEARING,
     MAGNITUDES,
+    SCENE,
     changed,
     copy_of,
     evaluate,
@@ -104,6 +105,19 @@ def check_results_are_of_the_size_that_bearings_have(model: SliceModel) -> None:
                 )
 
 
+@rule(DragModel)
+def check_torque_is_less_than_rollers_can_exert(model: DragModel) -> None:
+    """Rollers drive a cage by friction, so that no drag exceeds the load times the radius of their orbit."""
+    largest = float(SCENE["radial_load"]) * float(SCENE["orbit_radius"])
+    for cage_speed in (40.0, -40.0, 300.0):
+        torque = model.torque(cage_speed, 2.25 * cage_speed, 0.0)
+        refuse_unless(
+            abs(torque) <= largest,
+            f"{torque:.4g} N m act on a cage of 180 mm pitch diameter at {cage_speed:g} rad/s; rollers under "
+            f"{SCENE['radial_load']:g} N exert {largest:.4g} N m at a coefficient of friction of 1",
+        )
+
+
 @rule(TractionModel)
 def check_friction_does_not_jump_in_slip(model: TractionModel) -> None:
     """Between two adjacent floats of the sliding speed friction is the same; a ramp as steep as you like is none."""
@@ -144,8 +158,9 @@ def check_friction_at_high_stress_is_measurable(model: TractionModel) -> None:
 
 
 def _compared(model: Any, reference: ReferenceValue) -> Iterator[tuple[str, float]]:
-    """Yield the number that a reference value states, by each form of a model."""
-    model = attrs.evolve(model, **reference.parameters)
+    """Yield the number that a reference value states, by each form of a model with default or stated parameters."""
+    defaults = {a.name: a.default for a in attrs.fields(type(model)) if type(a.default) is float}
+    model = attrs.evolve(model, **defaults | dict(reference.parameters))
     if isinstance(model, DragModel):
         yield "its", model.torque(**reference.inputs)
     elif isinstance(model, TorqueFormula):
