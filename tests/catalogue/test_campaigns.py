@@ -184,9 +184,10 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     single = (
         "import rollslip\nfound = rollslip.mean_friction('1032930-70C', ['2 kN', '4 kN'])\n"
         f"kept = rollslip.open_result({str(stranger / 'made' / 'mean-friction.nc')!r})\n"
-        "print(found.drop_vars('seconds').drop_attrs().identical(kept.drop_vars('seconds').drop_attrs()))"
+        "print(found.drop_vars('seconds').drop_attrs().identical(kept.drop_vars('seconds').drop_attrs()))\n"
+        "print(['rollslip-mean-friction' in one.attrs['packages'] for one in (found, kept)])"
     )
-    assert python(single, stranger) == [True]
+    assert python(single, stranger) == [True, [True, True]]
     code, said, _ = rollslip(
         "plugins", "check", "mean-friction", "--kind", "campaign", path=stranger
     )

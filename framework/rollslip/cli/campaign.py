@@ -32,7 +32,15 @@ from rollslip.cli.app import (
     verbose_option,
     warn,
 )
-from rollslip.planning.campaign import Campaign, OfPoints, OfScene, help_of, options_of, own_command
+from rollslip.planning.campaign import (
+    Campaign,
+    OfPoints,
+    OfScene,
+    add_packages,
+    help_of,
+    options_of,
+    own_command,
+)
 from rollslip.results.dataset import xr
 from rollslip.toml import as_list
 
@@ -318,6 +326,7 @@ def _run_and_write(
             dataset = requested.run(
                 plan, checkpoints or folder, show, lambda text: printing.log([text])
             )
+        add_packages(dataset, requested.name)
         save(dataset, folder / f"{name}.nc")
         requested.write(dataset, folder)
         results.show({name: dataset}, folder)

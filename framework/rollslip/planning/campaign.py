@@ -8,6 +8,7 @@
 
 import abc
 import inspect
+import json
 import os
 import pkgutil
 import typing
@@ -21,6 +22,7 @@ import attrs
 
 from rollslip.catalogue.discovery import catalogue, get_class, naming_package
 from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.registry import available, find
 from rollslip.errors import PluginError, SceneError, describe_error, nearest
 
 if TYPE_CHECKING:
@@ -31,8 +33,8 @@ if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
 __all__ = [
-    "CAMPAIGN", "Campaign", "OfPoints", "OfScene", "campaign", "campaigns", "function_of", "help_of", "listed",
-    "options_of", "own_command", "setting",
+    "CAMPAIGN", "Campaign", "OfPoints", "OfScene", "add_packages", "campaign", "campaigns", "function_of", "help_of",
+    "listed", "options_of", "own_command", "packages_behind", "setting",
 ]  # fmt: skip
 
 P = ParamSpec("P")
@@ -241,8 +243,31 @@ class Campaign(abc.ABC):
             found = self.run(made, Path(folder), self.report or show, lambda text: None)
         if not isinstance(found, xr.Dataset):  # such as a page
             return found
+        add_packages(found, self.name)
         results = {self.name: found}
         return Result.from_studies(results, lambda: results)
+
+
+def packages_behind(name: str) -> dict[str, str]:
+    """Return the packages of the study or campaign of a name, and of what reports on it, with their versions."""
+    kinds = [kind for kind in ("study", "campaign", "account") if name in available(kind)]
+    return {offer.package: offer.version for offer in (find(kind, name) for kind in kinds)}
+
+
+def add_packages(dataset: "xr.Dataset", name: str) -> None:
+    """Add the packages of a campaign to those that its result names, if any, where they are not among them.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+    name : str
+        Name of the campaign.
+    """
+    named = json.loads(dataset.attrs.get("packages", "{}"))
+    missing = dict(packages_behind(name).items() - named.items())
+    if named and missing:
+        dataset.attrs["packages"] = json.dumps(named | missing)
 
 
 @attrs.frozen(eq=False)

@@ -19,11 +19,12 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import load, named_data
-from rollslip.catalogue.registry import Offer, available, find, get_class
+from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.datasets import SURFACES
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
+from rollslip.planning.campaign import packages_behind
 from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, rollslip_itself, unique_works
@@ -55,7 +56,7 @@ __all__ = [
 def origin(**facts: Any) -> dict[str, Any]:
     """Return facts as attributes of a dataset, with the time of its creation and the package of its campaign."""
     if "packages" in facts:
-        facts["packages"] = _packages_behind(str(facts.get("study", ""))) | facts["packages"]
+        facts["packages"] = packages_behind(str(facts.get("study", ""))) | facts["packages"]
     return as_attributes(**facts) | {
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     }
@@ -205,12 +206,6 @@ def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
     used = {offer.package: offer.version for offer in offers}
     used |= {name: _version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
     return dict(sorted(used.items())) | {"python": sys.version.split()[0]}
-
-
-def _packages_behind(name: str) -> dict[str, str]:
-    """Return the packages of the study or campaign of a name, and of what reports on it, with their versions."""
-    kinds = [kind for kind in ("study", "campaign", "account") if name in available(kind)]
-    return {offer.package: offer.version for offer in (find(kind, name) for kind in kinds)}
 
 
 def offers_of(scene: Scene, study: str, models: Iterable[tuple[str, Any]]) -> list[Offer]:
