@@ -19,7 +19,6 @@ from rollslip.results.dataset import CRATE
 from rollslip.results.style import styled
 from rollslip_campaigns.supplement import SupplementSettings
 from rollslip_campaigns.supplement.figures import supplement_figures
-from rollslip_campaigns.supplement.supplement import plan_supplement
 
 TABLES = {
     "sweep": {
@@ -177,6 +176,6 @@ def test_a_scene_without_the_tables_is_refused():
 def test_the_comparison_of_laws_films_and_oils_has_36_points():
     """The example that the page on supplements reproduces: 4 laws, 3 films, 3 oils."""
     file = Path(__file__).parents[2] / "docs" / "examples" / "laws.toml"
-    made = plan_supplement(SupplementSettings(rollslip.load_scene(file)))
+    made = SupplementSettings(rollslip.load_scene(file)).plan()
     assert [axis.coordinate.size for axis in made.sweep.design.axes] == [4, 3, 3]
     assert made.unusual == ()

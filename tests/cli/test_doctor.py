@@ -4,7 +4,10 @@ import json
 
 import pytest
 
+from broken_models import oil
 from packages import TRACTION, install, python, rollslip
+from registrations import registrations_rolled_back
+from rollslip.catalogue.discovery import add
 from rollslip.cli import doctor
 from rollslip.cli.doctor import Finding, as_text, examine, healthy
 from rollslip_kernels.stages import simd
@@ -105,3 +108,19 @@ def test_a_check_that_fails_is_a_fault_of_its_own(monkeypatch):
     assert "cannot be examined (ZeroDivisionError: oh)" in found[0].found
     assert not healthy(found)
     assert as_text(found).startswith("1 fault: ")
+
+
+def test_an_oil_of_a_package_with_unusual_data_or_constants_of_no_law_is_a_warning():
+    with registrations_rolled_back():
+        models = {"muraki": {"flash": -1.0}, "nobody": {"x": 1.0}, "flush": 1.0}
+        add("lubricant", oil(name="odd", eyring_stress=5.0, models=models))
+        add("lubricant", oil(name="even"))
+        found = {finding.check: finding for finding in doctor._oils()}
+    assert {name: one.state for name, one in found.items()} == {
+        "oil odd": "warning",
+        "oil even": "ok",
+    }
+    assert found["oil odd"].found.endswith(
+        "'5 MPa'?; nobody is of no law that is installed; flush is of no law that is installed; "
+        "muraki.flash: must be above 0, not -1"
+    )

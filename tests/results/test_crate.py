@@ -101,8 +101,8 @@ def test_packages_are_listed_with_their_requirements_versions_and_digests(folder
     # pyproject.toml requires h5netcdf, and matplotlib requires pillow
     for name in ("rollslip", "numpy", "xarray", "h5netcdf", "pillow"):
         assert f"{name}=={importlib.metadata.version(name)}" in listed
-    numpy = listed[f"numpy=={importlib.metadata.version('numpy')}"]
-    assert numpy == graph["#package-numpy"]["sha256"]
+    version = importlib.metadata.version("numpy")
+    assert listed[f"numpy=={version}"] == graph["#package-numpy"]["sha256"]
     assert not any(line.startswith("pytest") for line in listed)  # an extra
 
 

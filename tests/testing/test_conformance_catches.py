@@ -112,8 +112,7 @@ def test_what_all_rules_rest_on_is_said_once(name):
 
 
 def test_a_jump_is_told_in_units_that_people_read():
-    failed, equation = (f for f in conformance(broken("Jumps")) if f.status == "failed")
-    assert equation.check == "check_computes_its_equation"
+    failed, _ = (f for f in conformance(broken("Jumps")) if f.status == "failed")
     assert failed.message.startswith("counted in units of ")
     assert (
         "a number in it, such as the place of a jump, has a dimension that no parameter declares"

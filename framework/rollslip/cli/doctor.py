@@ -8,6 +8,7 @@ import importlib.metadata
 import os
 import platform
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any, Final
 
 import attrs
@@ -197,12 +198,32 @@ def _plugins() -> Iterator[Finding]:
         )
 
 
+def _oils() -> Iterator[Finding]:
+    """Yield what is unusual in the oils of third-party packages, and which of their constants no law has."""
+    from rollslip.catalogue.registry import available, get_class
+    from rollslip.errors import PluginError
+    from rollslip.lubricant.table import unusual_properties
+    from rollslip.scene.oil import faulty_constants
+
+    for name, offer in available("lubricant").items():
+        if offer.package == "rollslip":
+            continue
+        with suppress(PluginError):  # a finding of its package
+            oil = get_class("lubricant", name)
+            wrong = [f"{key} {text}" for key, text in unusual_properties(oil).items()]
+            wrong += faulty_constants(oil)
+            remedy = f"correct it in {offer.package}, and run: rollslip plugins check {name}"
+            found = "; ".join(wrong) or "its data are usual"
+            yield _finding(f"oil {name}", found, remedy, fits=not wrong, otherwise="warning")
+
+
 CHECKS: Final[tuple[Callable[[], Iterator[Finding]], ...]] = (
     _python,
     _dependencies,
     _environment,
     _kernels,
     _plugins,
+    _oils,
 )
 #: Checks that need the kernels.
-_ON_KERNELS: Final = (_plugins,)
+_ON_KERNELS: Final = (_plugins, _oils)

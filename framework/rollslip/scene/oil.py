@@ -7,18 +7,20 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.registry import available
+from rollslip.catalogue.registry import available, get_class
 from rollslip.errors import nearest
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import without_slope
 from rollslip.models import SliceModel
 from rollslip.scene.values import Scene
-from rollslip.structure import Location, raise_problems
+from rollslip.structure import Location, raise_problems, structure
 from rollslip_kernels.slices import CONDITIONS, Conditions
 
-__all__ = ["check_given", "members", "unused_constants"]
+__all__ = ["check_given", "faulty_constants", "members", "unused_constants"]
 
+#: Kinds of the laws of a contact, for which an oil has constants.
+CONTACT_KINDS: Final = ("contact", "film", "pressure", "traction")
 #: Typical values of properties that an oil may lack, with their grades, as proposals in messages.
 _TYPICAL: Final = {
     "pressure_viscosity": "'18 1/GPa' (mineral oils at 40 degC have 16 to 22 (B), esters 9 to 14 (C))",
@@ -59,6 +61,33 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
             hint = f"; did you mean {similar}?" if similar else ""
             messages.append(where.at(name).message(f"no law of a contact is called so{hint}"))
     return messages
+
+
+def faulty_constants(oil: Lubricant) -> list[str]:
+    """Return messages on constants of an oil that no installed law of a contact has, or that their law refuses.
+
+    Parameters
+    ----------
+    oil : Lubricant
+        The oil.
+    """
+    classes = {name: get_class(kind, name) for kind in CONTACT_KINDS for name in available(kind)}
+    laws = {name: attrs.fields_dict(cls).keys() for name, cls in classes.items()}
+    every = set().union(*laws.values())
+    tables = {law: table for law, table in oil.models.items() if isinstance(table, Mapping)}
+    unknown = [key for key in oil.models if key not in (laws if key in tables else every)]
+    unknown += [
+        f"{law}.{key}"
+        for law, table in tables.items()
+        for key in table.keys() - laws.get(law, table.keys())
+    ]
+    problems = list[str]()
+    for name, cls in classes.items():
+        constants = oil.constants_for(name, laws[name])
+        if constants and constants.keys() <= laws[name]:
+            structure(cls, constants, Location({}, (name,)), problems)
+    refused = [text for text in problems if ": missing, but required" not in text]
+    return [f"{key} is of no law that is installed" for key in unknown] + refused
 
 
 def _all_laws(models: Mapping[str, Any]) -> list[Any]:

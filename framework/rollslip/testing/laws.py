@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 from hypothesis import strategies as st
 
-from rollslip.catalogue.registry import available, get_class, get_model
+from rollslip.catalogue.registry import available, get_model
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
@@ -31,7 +31,6 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
-from rollslip.structure import Location, structure
 from rollslip.testing.rules import (
     CITATIONS_WANTED,
     DENORMAL,
@@ -64,9 +63,6 @@ from rollslip.units import format_quantity
 from rollslip_kernels.chain import Chain
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 from rollslip_kernels.stages import drag as compiled
-
-#: Kinds of the laws of a contact, for which an oil has constants.
-_CONTACT_KINDS: Final = ("contact", "film", "pressure", "traction")
 
 # Contact and deflection ----------------------------------------------------------------------------------------------
 
@@ -634,29 +630,10 @@ def check_properties_are_usual(oil: Lubricant) -> None:
 @rule(Lubricant)
 def check_constants_are_parameters_of_laws(oil: Lubricant) -> None:
     """Constants in a table of a law are its parameters, others those of some law of a contact; laws accept them."""
-    classes = {name: get_class(kind, name) for kind in _CONTACT_KINDS for name in available(kind)}
-    laws = {name: attrs.fields_dict(cls).keys() for name, cls in classes.items()}
-    every = set().union(*laws.values())
-    unknown = [
-        key
-        for key, value in oil.models.items()
-        if key not in (laws if isinstance(value, Mapping) else every)
-    ]
-    unknown += [
-        f"{law}.{key}"
-        for law, table in oil.models.items()
-        if law in laws and isinstance(table, Mapping)
-        for key in table.keys() - laws[law]
-    ]
-    refuse_unless(
-        not unknown, f"its constants {', '.join(unknown)} are of no law that is installed"
-    )
-    problems = list[str]()
-    for name, cls in classes.items():
-        if constants := oil.constants_for(name, laws[name]):
-            structure(cls, constants, Location({}, (name,)), problems)
-    refused = [problem for problem in problems if ": missing, but required" not in problem]
-    refuse_unless(not refused, "; ".join(refused))
+    from rollslip.scene.oil import faulty_constants
+
+    found = faulty_constants(oil)
+    refuse_unless(not found, f"its constants: {'; '.join(found)}")
 
 
 @rule(Lubricant)
