@@ -71,7 +71,10 @@ def test_an_oil_of_a_package_brings_them_and_a_scene_changes_some():
             {"flush": 0.5},
             r"lubricant\.models\.flush: no law of this scene has such a parameter: palmgren, ",
         ),
-        ({"muraki": {"flash": -1.0}}, r"models\.traction\.hydrodynamic\.flash"),
+        (
+            {"muraki": {"flash": -1.0}},
+            r"constant of the oil, lubricant\.models\.muraki: models\.traction\.hydrodynamic\.flash: must be above 0",
+        ),
         ("muraki", r"lubricant\.models: a table is expected, not 'muraki'"),
     ],
 )

@@ -154,7 +154,11 @@ def structure_model(
     except PluginError as error:
         raise type(error)(where.message(str(error))) from error
     if constants is not None:
-        parameters = _known_constants(cls, name, constants, where, problems) | parameters
+        known = _known_constants(cls, name, constants, where, problems)
+        blame = f"constant of the oil, lubricant.models.{name}"
+        origins = {(*where.path, key): blame for key in known.keys() - parameters.keys()}
+        where = Location({**where.origins, **origins}, where.path)
+        parameters = known | parameters
     children = {
         attribute.name: structure_model(
             attribute.metadata["kind"],
