@@ -4,10 +4,13 @@ import ast
 import importlib.util
 import math
 import re
+import sys
 import textwrap
 import tomllib
 from importlib.resources import files
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 from Cython.Compiler.Main import CompilationOptions, compile_single
@@ -18,6 +21,8 @@ from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.scaffold import new, package
 from rollslip.errors import OutputError, RollslipError
 from rollslip.fields import FieldError
+from rollslip.testing import conformance
+from rollslip.testing.findings import passed
 
 pytestmark = pytest.mark.quick
 
@@ -152,7 +157,7 @@ def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
         return real(path, *arguments, **options)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Path, "read_text", noted)
-    for kind, compiled in FORMS:
+    for kind, compiled in [*FORMS, ("drag=resistance", False)]:
         package("quick", kind, compiled)
     monkeypatch.undo()
     assert {entry.name for entry in (files("rollslip.catalogue") / "templates").iterdir()} <= read
@@ -182,6 +187,22 @@ def test_several_models_make_one_package(compiled: bool, tmp_path: Path) -> None
         FieldError, match="a package takes one film from a template; write a second one beside it"
     ):
         new("own-pair", "film,film:own-other", compiled, tmp_path)
+
+
+def test_a_drag_may_be_a_rolling_resistance(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts = package("own-law", "drag:own-steel=resistance", False)
+    project = tomllib.loads(texts["pyproject.toml"])["project"]
+    assert project["entry-points"] == {"rollslip.drag": {"own-steel": "own_law.drag"}}
+    module: Any = ModuleType("own_law")
+    monkeypatch.setitem(sys.modules, "own_law", module)
+    exec(texts["src/own_law/drag.py"], module.__dict__)
+    assert passed(conformance(module.OwnSteel()))
+    with pytest.raises(FieldError, match="drag has no variant 'bore'; there are: resistance"):
+        new("own-law", "drag=bore", False, tmp_path)
+    with pytest.raises(FieldError, match="resistance has no compiled form"):
+        new("own-law", "drag=resistance", True, tmp_path)
 
 
 # A module of decorated functions -------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ FORMS = [(kind, False) for kind in WRITTEN] + [
 
 
 def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> None:
-    made = new("own-pair", "film,traction:own-other", False, tmp_path)
+    made = new("own-pair", "film,drag=resistance,traction:own-other", False, tmp_path)
     environment = {
         **os.environ,
         "PYTHONPATH": f"{made / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}",

@@ -8,10 +8,10 @@
 """
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any
 
 import attrs
@@ -43,6 +43,10 @@ class Template:
     further_modules: tuple[str, ...] = ()
     #: Package with the templates in its folder ``templates``, each as ``NAME.in``.
     package: str = "rollslip.catalogue"
+    #: Name of the templates of module and tests; empty for that of the kind.
+    file: str = ""
+    #: Templates of other models of the kind, by a name that follows that of the model: "drag:mine=resistance".
+    variants: Mapping[str, "Template"] = MappingProxyType({})
 
 
 @attrs.frozen(kw_only=True)

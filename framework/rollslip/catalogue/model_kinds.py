@@ -1,5 +1,6 @@
 """The kinds of models and data whose base classes are in packages that the catalogue may import."""
 
+from types import MappingProxyType
 from typing import Any, Final
 
 from rollslip.catalogue.kinds import Kind, Template
@@ -77,6 +78,16 @@ DRAG: Final = _law(
         use=_PYTHON.format("drag"),
         needs=_ATTRS,
         compiled=True,
+        variants=MappingProxyType(
+            {
+                "resistance": Template(
+                    summary="A rolling resistance",
+                    contents="the law",
+                    use=_PYTHON.format("drag"),
+                    file="resistance",
+                )
+            }
+        ),
     ),
 )
 RIB: Final = Kind(name="rib", hook="rib_models", base=RibModel)

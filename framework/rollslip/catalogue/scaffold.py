@@ -77,12 +77,12 @@ def package(name: str, kinds: str, compiled: bool) -> dict[str, str]:
         Name of the package.
     kinds : str
         Kinds of its models, separated by commas, each with the name of its model after a colon where that is not the
-        name of the package: "film,traction:ramp".
+        name of the package, and a variant of the template after an equals sign: "film,drag:ramp=resistance".
     compiled : bool
         Whether its laws have a compiled form.
     """
-    models = _models(name, kinds)
-    templates = {kind: _template(kind, compiled) for kind in models}
+    models, variants = _models(name, kinds)
+    templates = {kind: _template(kind, compiled, variants[kind]) for kind in models}
     _check_name(name)
     for kind, model in models.items():
         _check_model(kind, model, name if name.endswith(model) else model, templates[kind])
@@ -131,22 +131,25 @@ def _placeholders(
     }
 
 
-def _models(name: str, kinds: str) -> dict[str, str]:
-    """Return the names of models by kind."""
+def _models(name: str, kinds: str) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the names of models, and of the variants of their templates, by kind."""
     models = dict[str, str]()
+    variants = dict[str, str]()
     for entry in kinds.split(","):
-        kind, _, model = entry.partition(":")
+        named, _, variant = entry.partition("=")
+        kind, _, model = named.partition(":")
         refuse_if(
             kind in models,
             "kind",
             f"a package takes one {kind} from a template; write a second one beside it",
         )
         models[kind] = model or name.removeprefix("rollslip-")
-    return models
+        variants[kind] = variant
+    return models, variants
 
 
-def _template(kind: str, compiled: bool) -> KindTemplate:
-    """Return the template of a kind; raise `FieldError` for a kind without one, or without a compiled form."""
+def _template(kind: str, compiled: bool, variant: str) -> KindTemplate:
+    """Return the template of a kind; raise `FieldError` for what has none, or has no compiled form."""
     try:
         check_kind(kind)
     except PluginError as error:
@@ -157,12 +160,21 @@ def _template(kind: str, compiled: bool) -> KindTemplate:
             "kind",
             f"{kind!r} has no template; start from {start}, as docs/reference/plugins.rst shows",
         )
+    if variant:
+        offered = ", ".join(template.variants) or "none"
+        refuse_if(
+            variant not in template.variants,
+            "kind",
+            f"{kind} has no variant {variant!r}; there are: {offered}",
+        )
+        template = template.variants[variant]
     if compiled and not template.compiled:
         compilable = ", ".join(
             other.name for other in usable_kinds() if other.template and other.template.compiled
         )
         raise FieldError(
-            "compiled", f"{kind} has no compiled form, only {compilable} have; leave it out"
+            "compiled",
+            f"{variant or kind} has no compiled form, only {compilable} have; leave it out",
         )
     return template
 
@@ -193,9 +205,11 @@ def _common_files(module: str, compiled: bool) -> dict[str, str]:
 def _files(kind: str, template: KindTemplate, module: str, compiled: bool) -> dict[str, str]:
     """Return the files of a kind: path -> template."""
     file = _file(kind)
-    paths = {f"src/{module}/{name}.py": f"{name}.py" for name in (file, *template.further_modules)}
+    of_template = template.file or file
+    paths = {f"src/{module}/{file}.py": f"{of_template}.py"}
+    paths |= {f"src/{module}/{name}.py": f"{name}.py" for name in template.further_modules}
     # with the module in its name, so that no other package has a test of this name
-    paths[f"tests/test_{module}_{file}.py"] = f"test_{file}.py"
+    paths[f"tests/test_{module}_{file}.py"] = f"test_{of_template}.py"
     if compiled:
         paths |= {f"src/{module}/_{file}.{end}": f"{file}.{end}" for end in ("pyx", "pyi")}
     return paths

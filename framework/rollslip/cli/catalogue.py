@@ -370,8 +370,9 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
 @plugins.command("new")
 @click.argument("name")
 @click.option(
-    "--kind", "kinds", metavar="KIND[:MODEL]", multiple=True, required=True,
-    help="What it offers: traction, film, contact ...; may be repeated, with the names of models.",
+    "--kind", "kinds", metavar="KIND[:MODEL][=VARIANT]", multiple=True, required=True,
+    help="What it offers: traction, film, contact ...; may be repeated, with the names of models. A drag may be "
+    "drag:NAME=resistance, a rolling resistance.",
 )  # fmt: skip
 @click.option("--compiled", is_flag=True, help="With a compiled form in Cython.")
 def plugins_new(name: str, kinds: tuple[str, ...], compiled: bool) -> None:
