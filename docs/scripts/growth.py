@@ -3,7 +3,7 @@
 Each size is computed in a fresh process. Time is that of the processor, of all threads and processes; memory is the
 largest resident set (Linux). The exponent is that of the time between the last two sizes, less the time of the smallest
 size, which has imports and all that does not grow. Rows of sweeps are computed from engine_throughput.csv and
-engine_memory.csv, which ``docs/scripts/engine_cost.py`` writes. Ten minutes of two cores.
+engine_memory.csv, which ``docs/scripts/engine_cost.py`` writes. Ten minutes of one core.
 """
 
 import csv
@@ -61,9 +61,9 @@ def cases(count, interpolate):
 WORK = {
     "effective friction, slices": (lambda n: friction(n, 4), (25, 400, 1600, 6400)),
     "effective friction, roller positions": (lambda n: friction(25, n), (4, 64, 256, 1024)),
-    "samples of uncertainty": (samples, (512, 4096, 16_384, 131_072)),
-    "load cases, each computed": (lambda n: cases(n, None), (8, 64, 256, 1024)),
-    "load cases, interpolated to 5 %": (lambda n: cases(n, "5 %"), (512, 4096, 16_384, 131_072)),
+    "samples of uncertainty": (samples, (512, 4096, 16_384)),
+    "load cases, each computed": (lambda n: cases(n, None), (8, 64, 256)),
+    "load cases, interpolated to 5 %": (lambda n: cases(n, "5 %"), (512, 4096, 16_384, 65_536)),
 }
 
 

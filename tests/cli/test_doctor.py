@@ -10,6 +10,8 @@ from registrations import registrations_rolled_back
 from rollslip.catalogue.discovery import add
 from rollslip.cli import doctor
 from rollslip.cli.doctor import Finding, as_text, examine, healthy
+from rollslip.fields import Scatter
+from rollslip.scene.oil import faulty_constants
 from rollslip_kernels.stages import simd
 
 
@@ -123,4 +125,29 @@ def test_an_oil_of_a_package_with_unusual_data_or_constants_of_no_law_is_a_warni
     assert found["oil odd"].found.endswith(
         "'5 MPa'?; nobody is of no law that is installed; flush is of no law that is installed; "
         "muraki.flash: must be above 0, not -1"
+    )
+
+
+@pytest.mark.parametrize(
+    ("quantity", "is_known"),
+    [
+        ("viscosity_factor", True),
+        ("muraki.flash", True),
+        ("viscosty", False),
+        ("muraki.flush", False),
+    ],
+)
+def test_the_scatter_of_what_no_oil_and_no_law_has_is_a_fault(quantity, is_known):
+    scatter = Scatter(
+        quantity=quantity,
+        distribution="lognormal",
+        parameters={"scatter": 0.3},
+        grade="(D)",
+        source="-",
+    )
+    faults = faulty_constants(oil(name="own", scatter=(scatter,)))
+    assert faults == (
+        []
+        if is_known
+        else [f"scatter of {quantity}, which no oil and no law that is installed has"]
     )

@@ -12,6 +12,7 @@ from rollslip.errors import nearest
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import without_slope
+from rollslip.lubricant.table import OilTable
 from rollslip.models import SliceModel
 from rollslip.scene.values import Scene
 from rollslip.structure import Location, raise_problems, structure
@@ -66,6 +67,8 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
 def faulty_constants(oil: Lubricant) -> list[str]:
     """Return messages on constants of an oil that no installed law of a contact has, or that their law refuses.
 
+    The quantities whose scatter the oil states are among them.
+
     Parameters
     ----------
     oil : Lubricant
@@ -81,7 +84,12 @@ def faulty_constants(oil: Lubricant) -> list[str]:
         for law, table in tables.items()
         for key in table.keys() - laws.get(law, table.keys())
     ]
+    laws[""] = attrs.fields_dict(OilTable).keys()
     problems = list[str]()
+    for quantity in (scatter.quantity for scatter in oil.scatter):
+        law, _, name = quantity.rpartition(".")
+        if law not in available("pressure-viscosity") and name not in laws.get(law, ()):
+            problems.append(f"scatter of {quantity}, which no oil and no law that is installed has")
     for name, cls in classes.items():
         constants = oil.constants_for(name, laws[name])
         if constants and constants.keys() <= laws[name]:
