@@ -388,10 +388,8 @@ def balance_with_play(
                 return BalanceWithPlay(balance, pockets), ""
     except ConvergenceError as error:
         return None, f"{Status.NOT_KNOWN}: {error}"
-    return (
-        None,
-        f"{Status.NOT_KNOWN}: a march needs tables of friction, which is taken {pockets.reason}",
-    )
+    _, _, reason = pockets.reason.rpartition(": ")
+    return None, f"{Status.NOT_KNOWN}: {reason}, so that a march has no table of friction"
 
 
 def relative_play(balance: TorqueBalance, slip: float) -> float:

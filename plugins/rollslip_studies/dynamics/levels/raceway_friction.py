@@ -374,7 +374,7 @@ def _reason_against_table(assembly: Assembly, min_slices: int) -> str:
     if assembly.inner.chain.placed:
         return "a law reads where slices are"
     if any(raceway.chain.is_single_threaded for raceway in assembly.raceways):
-        return "a law runs in Python, and may depend on more than a table knows"
+        return "a law has no compiled form, and may depend on more than a table knows"
     return ""
 
 
