@@ -16,7 +16,7 @@ from pathlib import Path
 HEADERS = {
     "rollslip_abi": "include/rollslip.h",
     "columns_h": "motion/columns.h",
-    "held_h": "motion/held.h",
+    "linear_friction_h": "motion/linear_friction.h",
     "friction_table_h": "motion/friction_table.h",
     "system_h": "motion/system.h",
     "bearing_h": "motion/bearing.h",

@@ -172,7 +172,7 @@ HEADER = """/* Words { of a header. */
 #ifndef ROLLSLIP_SAMPLE
 #define ROLLSLIP_SAMPLE
 #include <stddef.h>
-#include "motion/held.h"
+#include "motion/linear_friction.h"
 #define NAME "a, b"   /* words */
 #define COUNT 3
 #define SMALL 1e-3
@@ -207,7 +207,7 @@ static inline double *rs_found(
 
 FORM = """# Written by setup.py from sample.h.
 from libc.stdint cimport uint32_t
-from held_h cimport *
+from linear_friction_h cimport *
 
 cdef extern from "motion/sample.h" nogil:
     const char *NAME

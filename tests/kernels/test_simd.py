@@ -181,7 +181,7 @@ for name in ("effective", "conventional"):
                 at[:4] = 0.5 * assembly.cage.pocket_clearance + 1e-7 * np.arange(4)
             found[f"{name} {level} {k}"] = moving.system.rates(0.0, y)
             if level != "cage-set":
-                found[f"{name} {level} {k} held"] = moving.system.held(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
+                found[f"{name} {level} {k} held"] = moving.system.linearised_rates(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
 np.savez(sys.argv[1], **found)
 print(simd.active())
 """
@@ -216,12 +216,12 @@ def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, rings, mon
         at["pocket_position"][:4] = 0.5 * assembly.cage.pocket_clearance + 1e-7 * np.arange(4)
         at["cage_x"][...] = 3e-5
         system = moving.system
-        held = system.held(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
+        held = system.linearised_rates(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
         rates.append(
             (
                 system.rates(0.0, y),
                 held,
-                system.held(0.0, y, 1e-5, y, apart=True),
+                system.linearised_rates(0.0, y, 1e-5, y, apart=True),
                 system.go(0.0, 4e-6, 2, y),
             )
         )

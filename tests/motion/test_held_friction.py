@@ -75,7 +75,7 @@ def test_where_it_is_evaluated_all_rates_are_those_of_every_law(level, case):
     moving = motion(level, case)
     y = sliding(level, case)
     rates = moving.system.rates(0.0, y)
-    held = moving.system.held(0.0, y, 0.0, y)
+    held = moving.system.linearised_rates(0.0, y, 0.0, y)
     np.testing.assert_allclose(held, rates, rtol=1e-9, atol=1e-11 * np.abs(rates).max())
 
 
@@ -91,7 +91,7 @@ def test_it_goes_off_with_the_square_of_the_time(level, case):
     size = 0.0
     for t, state in zip(times, gone(level, case, times), strict=True):
         exact, held = (moving.split(r)["roller_spin"] for r in
-                       (moving.system.rates(t, state), moving.system.held(0.0, y, t, state)))  # fmt: skip
+                       (moving.system.rates(t, state), moving.system.linearised_rates(0.0, y, t, state)))  # fmt: skip
         off.append(np.abs(held - exact).mean())
         size = np.abs(exact).mean()
     assert off[1] / off[0] > (3.0 if case == "constant" else 1.7)
@@ -108,13 +108,13 @@ def test_solved_for_it_is_that_of_the_middle_of_the_step(level, case):
     kicked = ~moving.system.places
     half = 5e-4
     before = moving.system.rates(0.0, y) * 0.5
-    found = moving.system.held(0.0, y, 0.0, y, half, before)
+    found = moving.system.linearised_rates(0.0, y, 0.0, y, half, before)
     of_rollers = np.zeros(y.size, bool)
     for name in ("roller_spin", "orbital_speed"):
         moving.split(of_rollers)[name][...] = True
     middle = y + np.where(of_rollers & kicked, half * (found - before), 0.0)
-    again = moving.system.held(0.0, y, 0.0, middle)
-    explicit = moving.system.held(0.0, y, 0.0, y)
+    again = moving.system.linearised_rates(0.0, y, 0.0, middle)
+    explicit = moving.system.linearised_rates(0.0, y, 0.0, y)
     for name in ("roller_spin", "orbital_speed", "lost_inner", "lost_outer", "work_rings"):
         one, other, without = (moving.split(r)[name] for r in (found, again, explicit))
         scale = np.abs(other).max()
@@ -231,5 +231,5 @@ def test_a_flight_ends_where_a_roller_meets_a_bar(seed):
 def test_systems_that_hold_nothing_say_so():
     moving = carried_motion(motion("pocket", "constant").assembly, CONSTANT, level="cage-set")
     y = moving.initial()
-    assert moving.system.held(0.0, y, 0.0, y) is None
+    assert moving.system.linearised_rates(0.0, y, 0.0, y) is None
     assert moving.system.flight(0.0, y, moving.system.rates(0.0, y), math.inf) == 0.0

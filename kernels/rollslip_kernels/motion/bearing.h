@@ -8,7 +8,7 @@
 
 enum { INNER, OUTER };
 enum { RS_CONSTANT, RS_EFFECTIVE, RS_CONVENTIONAL };   /* friction */
-enum { EVALUATED, RENEWED, KEPT };   /* what is done about friction: nothing else, it is held, or stays as it is held */
+enum { EVALUATED, RENEWED, LINEARISED };   /* friction: evaluated; and linearised; or by the last linearisation */
 enum { NOBODY, FRICTION_REFUSED, DRAG_REFUSED = 3, LEVEL_REFUSED };   /* who refused: + ring; the last and more: a level */
 enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MOST_DRAGS = 16 };   /* at most, of a roller; drags on a cage */
 #define RS_RACEWAY "rollslip.raceway"   /* name of a capsule of rs_raceway */
@@ -107,7 +107,7 @@ typedef struct {
     double critical_slip;        /* slip that is watched for a passage */
     double film_limit;           /* film parameter that is watched for a passage */
     rs_raceway raceway[2];
-    rs_held held[2];             /* linearised friction between evaluations */
+    rs_linear_friction linear[2];             /* linearised friction between evaluations */
     int still;                   /* whether linearised tractions ignore the change of speeds */
     rs_pocket pocket;
     rs_drag drags[RS_MOST_DRAGS];
@@ -173,21 +173,21 @@ typedef struct {
 } rs_bearing;
 
 #define RS_COLUMNS ((offsetof(rs_bearing, behind) - offsetof(rs_bearing, unknown)) / sizeof(double *))
-#define RS_HELD (offsetof(rs_held, rooted) / sizeof(double *))
+#define RS_LINEAR_COLUMNS (offsetof(rs_linear_friction, rooted) / sizeof(double *))
 
-/* Numbers in the memory of a bearing's columns, of what is held, of loads and of the room. */
+/* Numbers in the memory of a bearing's columns, of linearised friction, of loads and of the room. */
 static inline size_t rs_memory_of(const rs_bearing *c) {
-    return (RS_COLUMNS + 2 * (RS_HELD + c->slices) + 5) * c->rollers;
+    return (RS_COLUMNS + 2 * (RS_LINEAR_COLUMNS + c->slices) + 5) * c->rollers;
 }
 
-/* Give columns, what is held, loads and room their places in zeroed memory. */
+/* Give columns, linearised friction, loads and room their places in zeroed memory. */
 static inline void rs_place_columns(rs_bearing *c, double *memory) {
     const size_t Z = c->rollers;
     double **column = (double **)((char *)c + offsetof(rs_bearing, unknown));
     for (size_t k = 0; k < RS_COLUMNS; k++, memory += Z) column[k] = memory;
     for (int ring = 0; ring < 2; ring++) {
-        column = (double **)&c->held[ring];
-        for (size_t k = 0; k < RS_HELD; k++, memory += Z) column[k] = memory;
+        column = (double **)&c->linear[ring];
+        for (size_t k = 0; k < RS_LINEAR_COLUMNS; k++, memory += Z) column[k] = memory;
         c->load_of[ring] = memory;
         memory += Z * c->slices;
     }
@@ -206,30 +206,30 @@ static inline void rs_scatter(const rs_bearing *c, double *rates) {
         for (size_t j = 0; j < c->rollers; j++) rates[j * c->block + k] = c->rate_of[k][j];
 }
 
-/* Tractions of a ring as they are held, at the speeds of the columns or, if it is still, at those where it was. */
-RS_INLINED void rs_held_tractions(rs_bearing *c, int ring) {
-    const rs_held *held = &c->held[ring];
-    const double *sliding = c->still ? held->sliding : c->sliding[ring];
-    rs_held_friction(held, c->rollers, c->force[ring], sliding, c->traction[ring], c->resistance[ring]);
+/* Tractions of a ring by its linearised friction at the speeds of the columns or, if still, where it was linearised. */
+RS_INLINED void rs_linear_tractions(rs_bearing *c, int ring) {
+    const rs_linear_friction *linear = &c->linear[ring];
+    const double *sliding = c->still ? linear->sliding : c->sliding[ring];
+    rs_linear_friction_forces(linear, c->rollers, c->force[ring], sliding, c->traction[ring], c->resistance[ring]);
 }
 
 /* Largest rate at which tractions damp a roller's speed and its spin: no less than the larger of the two. */
-static inline double rs_held_damping(const rs_bearing *c) {
+static inline double rs_friction_damping(const rs_bearing *c) {
     double most = 0.0;
     for (size_t j = 0; j < c->rollers; j++) {   /* at a rim J/r^2 is m/2, and on the orbit arms are R: 4 and 2 over m */
-        double slope = rs_held_slope(&c->held[0], c->force[0][j], j) + rs_held_slope(&c->held[1], c->force[1][j], j);
-        double rate = 3.0 * slope / c->roller_mass;
+        double inner = rs_friction_slope(&c->linear[0], c->force[0][j], j);
+        double rate = 3.0 * (inner + rs_friction_slope(&c->linear[1], c->force[1][j], j)) / c->roller_mass;
         most = rate > most ? rate : most;
     }
     return most;
 }
 
-/* How far what was held, the tractions `held` [2 Z], had gone from the tractions evaluated, as a share of these. */
-static inline double rs_held_gone(const rs_bearing *c, const double *held) {
+/* How far what was held, the tractions `before` [2 Z], had gone from the tractions evaluated, as a share of these. */
+static inline double rs_linearisation_error(const rs_bearing *c, const double *before) {
     double off = 0.0, all = 1e-300;
     for (int ring = 0; ring < 2; ring++)
         for (size_t j = 0; j < c->rollers; j++) {
-            off += fabs(held[(size_t)ring * c->rollers + j] - c->traction[ring][j]);
+            off += fabs(before[(size_t)ring * c->rollers + j] - c->traction[ring][j]);
             all += fabs(c->traction[ring][j]) + 1e-3 * c->force[ring][j];
         }
     return off / all;

@@ -80,7 +80,7 @@ cdef struct carried_t:
     size_t n_cells
     size_t *last      # [Z] the interval that was used last for each roller
     size_t refused_roller
-    double held_at   # since when forces and friction are held
+    double linearised_at   # when forces and friction were linearised
 
 
 cdef inline double _risen(double d, double soft) noexcept nogil:
@@ -135,7 +135,7 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint
     """Fill force, speeds and friction of all contacts, and loads per length where friction needs them.
 
     A centrifugal force beyond the top is refused. With ``film`` conventional friction is that of the slices; what is
-    renewed is held, as forces are, and tractions are to be had from that.
+    renewed is linearised, as forces are, and tractions are to be had from that.
     """
     cdef size_t j, Z = p.c.rollers
     cdef double pull
@@ -172,12 +172,12 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint
     return 0
 
 
-cdef inline void _held_friction(carried_t *p, double t) noexcept nogil:
-    """Forces and tractions at a time and the speeds of the columns, by what is held."""
+cdef inline void _linear_friction(carried_t *p, double t) noexcept nogil:
+    """Forces and tractions at a time and the speeds of the columns, by linearisation."""
     cdef int ring
-    rs_carried_held_forces(&p.c, t - p.held_at)
+    rs_carried_linear_forces(&p.c, t - p.linearised_at)
     for ring in range(RINGS):
-        rs_held_tractions(&p.c, ring)
+        rs_linear_tractions(&p.c, ring)
 
 
 cdef int _renew(double t, const double *y, int compared, double *report, void *state) noexcept nogil:
@@ -188,31 +188,31 @@ cdef int _renew(double t, const double *y, int compared, double *report, void *s
     cdef int status
     if compared:
         rs_carried_speeds(&p.c, y, y + HEAD)
-        _held_friction(p, t)
+        _linear_friction(p, t)
         memcpy(before, p.c.traction[INNER], RINGS * Z * sizeof(double))   # and those behind
     status = _contacts(p, y, y + HEAD, False, RENEWED)
     if status != 0:
         return status
-    p.held_at = t
-    report[0] = rs_held_damping(&p.c)
+    p.linearised_at = t
+    report[0] = rs_friction_damping(&p.c)
     for i in range(<size_t>RINGS, p.c.channels):   # resistances that come with the loads, with the sense of rolling
         for j in range(Z):
             sense = p.c.rolling[i - RINGS][j] / rs_film_speed(p.c.rolling[i - RINGS][j])
             p.c.force_then[i][j] *= sense
             p.c.force_rate[i][j] *= sense
     if compared:
-        _held_friction(p, t)
-        report[1] = rs_held_gone(&p.c, before)
+        _linear_friction(p, t)
+        report[1] = rs_linearisation_error(&p.c, before)
     return 0
 
 
-cdef int _held(
+cdef int _linearised_rates(
     double t, const double *y, double half, const double *before, double *rates, void *state
 ) noexcept nogil:
-    """All rates with forces and friction as they are held."""
+    """All rates by linearised forces and friction."""
     cdef carried_t *p = <carried_t *>state
     rs_carried_speeds(&p.c, y, y + HEAD)
-    _held_friction(p, t)
+    _linear_friction(p, t)
     _bars(p, y)
     if half > 0.0:
         rs_carried_implicit(&p.c, half, before + HEAD)
@@ -264,7 +264,7 @@ cdef int _columns(carried_t *p, const double *head, const double *rollers) noexc
         rs_carried_speeds(&p.c, head, rollers)
         memcpy(p.c.force[INNER], p.c.force_then[INNER], p.c.channels * p.c.rollers * sizeof(double))
         for ring in range(RINGS):
-            rs_held_tractions(&p.c, ring)
+            rs_linear_tractions(&p.c, ring)
     else:
         status = _contacts(p, head, rollers, False, EVALUATED)
         if status != 0:
@@ -519,7 +519,7 @@ cdef class Carried:
             s.contact_frequency = sqrt(c.pocket.stiffness * (
                 1.0 / c.roller_mass + c.orbit_radius * c.orbit_radius / c.cage_inertia))
             s.until_contact = _until_contact
-            s.renew, s.held, s.still, s.flight = _renew, _held, &self.p.c.still, _flight
+            s.renew, s.linearised_rates, s.still, s.flight = _renew, _linearised_rates, &self.p.c.still, _flight
         return rs_new_system(&s, self)
 
     @property

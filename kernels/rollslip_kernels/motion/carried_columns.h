@@ -107,7 +107,7 @@ static inline void rs_carried_force_rates(rs_bearing *c, size_t j, const double 
 }
 
 /* Forces some time after they were held. */
-static void rs_carried_held_forces(rs_bearing *c, double since) {
+static void rs_carried_linear_forces(rs_bearing *c, double since) {
     rs_given then = c->force_then[0], rate = c->force_rate[0];
     rs_column force = c->force[0];
     RS_EACH(j, c->channels * c->rollers) {   /* one behind another */
@@ -126,7 +126,7 @@ static void rs_carried_implicit(rs_bearing *c, double half, rs_given before) {
     rs_column s = c->unknown[SPIN], w = c->unknown[SPEED], Fi = c->traction[0], Fo = c->traction[1];
     rs_column Vi = c->sliding[0], Vo = c->sliding[1], ui = c->rolling[0], uo = c->rolling[1];
     RS_EACH(j, c->rollers) {
-        double ki = rs_held_slope(&c->held[0], Qi[j], j), ko = rs_held_slope(&c->held[1], Qo[j], j), ds, dw;
+        double ki = rs_friction_slope(&c->linear[0], Qi[j], j), ko = rs_friction_slope(&c->linear[1], Qo[j], j), ds, dw;
         double spin = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_J - before[3 * j];
         double speed = (p * Fi[j] + q * Fo[j] + (c->inner_radius - r) * Si[j] - (c->outer_radius + r) * So[j]
                         - R * push[j]) * per_I - before[3 * j + 1];

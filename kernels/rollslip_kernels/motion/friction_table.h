@@ -8,7 +8,7 @@
  * - A contact beyond the ends is for the chain, but below the least force: F/sqrt(Q) is held there. */
 #ifndef ROLLSLIP_FRICTION_TABLE_H
 #define ROLLSLIP_FRICTION_TABLE_H
-#include "motion/held.h"
+#include "motion/linear_friction.h"
 
 typedef struct {
     const double *values[2];   /* traction, rolling resistance or NULL: [speeds x roots x (2 half + 1)] */
@@ -47,7 +47,7 @@ static inline void rs_lagrange_slopes(double t, double *w) {
 /* Traction with the sign of V and magnitude of the rolling resistance of n contacts; 1 where one lies outside. */
 RS_INLINED int rs_box_evaluated(
     const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
-    double *traction, double *resistance, const rs_held *held
+    double *traction, double *resistance, const rs_linear_friction *linear
 ) {
     const int across = 2 * t->half + 1;
     const double most = (double)t->half, speeds = (double)(t->speeds - 1);
@@ -79,14 +79,14 @@ RS_INLINED int rs_box_evaluated(
             const size_t at = ((size_t)s * (size_t)t->roots + (size_t)r) * (size_t)across + (size_t)v;
             for (int channel = 0; channel < 2 && t->values[channel]; channel++) {
                 double sum[4] = {0.0, 0.0, 0.0, 0.0}, by_root[4] = {0.0, 0.0, 0.0, 0.0}, dr[4], dv[4];
-                if (held) rs_lagrange_slopes(y - (double)r, dr);
+                if (linear) rs_lagrange_slopes(y - (double)r, dr);
                 for (int a = 0; a < 4; a++)
                     for (int b = 0; b < 4; b++) {
                         const double *p = t->values[channel] + at
                             + ((size_t)a * (size_t)t->roots + (size_t)b) * (size_t)across;
                         const double w = wu[a] * wr[b];
                         for (int k = 0; k < 4; k++) sum[k] += w * p[k];
-                        if (held) {
+                        if (linear) {
                             const double q = wu[a] * dr[b];
                             for (int k = 0; k < 4; k++) by_root[k] += q * p[k];
                         }
@@ -96,7 +96,7 @@ RS_INLINED int rs_box_evaluated(
                     traction[start + j] = root[j] * g;
                 else
                     resistance[start + j] = root[j] * g;
-                if (held) {   /* g and its slopes over r and V, r = sqrt(Q); below the least force it is held */
+                if (linear) {   /* g and its slopes over r and V, r = sqrt(Q); below the least force it is held */
                     const double to_r = of_root[j] > 0.0 ? t->root_scale * t->per_root
                         / ((root[j] + t->root_scale) * (root[j] + t->root_scale)) : 0.0;
                     const double scale = fabs(V[j]) + t->sliding_scale;
@@ -108,13 +108,13 @@ RS_INLINED int rs_box_evaluated(
                         const double gv = to_v * ((sum[0] * dv[0] + sum[1] * dv[1]) + (sum[2] * dv[2] + sum[3] * dv[3]));
                         const double grv = to_r * to_v * ((by_root[0] * dv[0] + by_root[1] * dv[1])
                                                           + (by_root[2] * dv[2] + by_root[3] * dv[3]));
-                        held->by_force[start + j] = gr;
-                        held->by_root[start + j] = g - gr * root[j];
-                        held->force_slope[start + j] = grv;
-                        held->root_slope[start + j] = gv - grv * root[j];
+                        linear->by_force[start + j] = gr;
+                        linear->by_root[start + j] = g - gr * root[j];
+                        linear->force_slope[start + j] = grv;
+                        linear->root_slope[start + j] = gv - grv * root[j];
                     } else {   /* F_R = r g, whose slope is g + r dg/dr */
-                        held->resistance_slope[start + j] = g + root[j] * gr;
-                        held->resistance[start + j] = root[j] * (g - (g + root[j] * gr));
+                        linear->resistance_slope[start + j] = g + root[j] * gr;
+                        linear->resistance[start + j] = root[j] * (g - (g + root[j] * gr));
                     }
                 }
             }
@@ -126,9 +126,9 @@ RS_INLINED int rs_box_evaluated(
 /* The same, and what is to be held, if anything; compiled once for each. */
 static int rs_box_friction(
     const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
-    double *traction, double *resistance, const rs_held *held
+    double *traction, double *resistance, const rs_linear_friction *linear
 ) {
-    if (held) return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, held);
+    if (linear) return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, linear);
     return rs_box_evaluated(t, n, force, sliding, rolling, traction, resistance, NULL);
 }
 

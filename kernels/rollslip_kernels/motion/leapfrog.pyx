@@ -18,15 +18,15 @@ Step
     step: that error is smaller by another power of h. Where the system gives the time during which no contact closes,
     and nothing oscillates, a step takes nine tenths of that time.
 Friction
-    Where the system can hold its friction, linear in the sliding speeds and in time or force, friction is evaluated in
-    the middle of a step once its interval is over, and held for the next interval. The interval is chosen by how far
-    the held friction was off when it was renewed, which goes with the square of the interval: 1e-3 at usual tolerances
+    Where the system can linearise its friction, in the sliding speeds and in time or force, friction is evaluated in
+    the middle of a step once its interval is over, and linearised for the next interval. The interval is chosen by the
+    error of the linearisation when it is renewed, which goes with the square of the interval: 1e-3 at usual tolerances
     and in proportion below, a third of that on average over the time. It has 32 of the steps that resolve all at most.
 Damping
     Extrapolated speeds damp as the method of Adams and Bashforth of order 2 does, stable for D h < 1. The rate D of the
     strongest damping, the largest eigenvalue of the rates of speeds by speeds, is measured at the start and every 2048
-    steps. Beyond D h = 0.3, and up to D h = 4, held friction is taken at the speeds that it causes in the middle of the
-    step, two unknowns of each roller. Then D of the rest counts. Where either is beyond its limit the integration ends
+    steps. Beyond D h = 0.3, and up to D h = 4, linearised friction is taken at the speeds that it causes in the middle
+    of the step, two unknowns of each roller. Then D of the rest counts. Where either is beyond its limit the integration ends
     as "failed". Two rates are given up for one before that, whose steps are stable with twice as much.
 Output
     Cubic in the places, by Hermite; quadratic in the rest, by the speeds at both ends and the rates in the middle of
@@ -73,8 +73,8 @@ cdef extern from *:
 cdef enum:
     DAMPING_STEPS = 2048    # steps between two measurements of the damping
     POWER_ITERATIONS = 16   # of the power method
-    MAX_HELD_STEPS = 32     # that friction is held
-    FIRST_HELD_STEPS = 2    # at the start
+    MAX_INTERVAL_STEPS = 32     # between renewals of friction
+    FIRST_INTERVAL_STEPS = 2    # at the start
     MIN_FLIGHT_STEPS = 3    # of free flight, from which a longer step saves time
 
 # Step times angular frequency at usual tolerances: of contacts, and of permanent oscillations. Doubled, contacts have
@@ -94,8 +94,8 @@ cdef double MAX_FRICTION_STEP = 4.0
 cdef double EULER_FRACTION = 0.1
 # Relative tolerance at which the step is that of the frequencies.
 cdef double USUAL_TOLERANCE = 1e-5
-# Relative error of held friction where it is renewed, at that tolerance. Chosen.
-cdef double HELD_ERROR = 1e-3
+# Relative error of linearised friction where it is renewed, at that tolerance. Chosen.
+cdef double LINEARISATION_ERROR = 1e-3
 # Fraction of a free flight that one step takes; usual steps end it.
 cdef double FLIGHT_FRACTION = 0.9
 
@@ -113,31 +113,31 @@ cdef class Leapfrog(Stepper):
     damping : float
         The rate of the strongest damping [1/s] when it was measured last; 0 where it is not.
     renewals : int
-        Evaluations of the friction that is held, but for that at the start.
+        Evaluations of the friction that is linearised, but for that at the start.
     diagnostics : dict
-        How long friction was held, and the errors that this leaves.
+        Intervals between them, and the errors that this leaves.
     """
 
-    cdef bint fixed, holds, implicit, is_free
+    cdef bint fixed, linearises, implicit, is_free
     cdef double step_size          # of the present method [s]
     cdef double single_rate_step   # that resolves contacts and oscillations
     cdef double two_rate_step      # that resolves oscillations alone, 0 without substeps
     cdef double contact_substep
     cdef double half_step_before
     cdef double middle_distance    # of the middles of the last two steps
-    cdef double allowed_error      # of held friction
-    cdef double damping_and_error[2]   # by friction [1/s], and relative error of held friction
-    cdef double held_at            # time at which friction was evaluated
-    cdef double interval           # for which it is held
-    cdef double total_held         # sums over all renewals, and the largest error
+    cdef double allowed_error      # of linearised friction
+    cdef double damping_and_error[2]   # by friction [1/s], and relative error of linearised friction
+    cdef double linearised_at            # time at which friction was evaluated
+    cdef double interval           # until it is renewed
+    cdef double total_interval         # sums over all renewals, and the largest error
     cdef double total_error
     cdef double largest_error
     cdef size_t count
     cdef readonly size_t renewals
     cdef size_t substeps           # of contacts in half a step, 0 without
     cdef readonly double damping
-    cdef double *y_held
-    cdef object held_memory
+    cdef double *y_linearised
+    cdef object linearised_memory
     cdef const double *kicked
     cdef rs_kick kick
     cdef object ones
@@ -147,8 +147,8 @@ cdef class Leapfrog(Stepper):
         double max_step=np.inf, first_step: float | None = None,
     ):
         super().__init__(capsule, t0, y0, t_bound, rtol, atol, max_step, first_step)
-        self.held_memory = np.zeros(self.n)
-        self.y_held = <double *><size_t>self.held_memory.ctypes.data
+        self.linearised_memory = np.zeros(self.n)
+        self.y_linearised = <double *><size_t>self.linearised_memory.ctypes.data
         cdef double contact = self.c.contact_frequency
         cdef double oscillation = self.c.swing_frequency
         cdef double tolerance = 0.0
@@ -168,15 +168,15 @@ cdef class Leapfrog(Stepper):
             self.step_size = fmin(CONTACT_STEP / contact if contact > 0.0 else np.inf,
                                   OSCILLATION_STEP / oscillation if oscillation > 0.0 else np.inf)
             self.step_size = fmin(self.step_size * reduction, self.max_step)
-            self.holds = self.c.renew != NULL and self.direction > 0.0
+            self.linearises = self.c.renew != NULL and self.direction > 0.0
             self.single_rate_step = self.step_size
-            if self.holds and self.c.go != NULL and contact > 0.0 and oscillation > 0.0:
+            if self.linearises and self.c.go != NULL and contact > 0.0 and oscillation > 0.0:
                 self.contact_substep = CONTACT_SUBSTEP / contact * reduction
                 self.two_rate_step = fmin(SEPARATE_OSCILLATION_STEP / oscillation * reduction, self.max_step)
                 self._take_two_rates()
-            self.allowed_error = HELD_ERROR * fmin(1.0, tolerance / USUAL_TOLERANCE)
+            self.allowed_error = LINEARISATION_ERROR * fmin(1.0, tolerance / USUAL_TOLERANCE)
             self.h = self.step_size
-            self.interval = FIRST_HELD_STEPS * self.step_size
+            self.interval = FIRST_INTERVAL_STEPS * self.step_size
 
     # State -----------------------------------------------------------------------------------------------------------
 
@@ -191,8 +191,8 @@ cdef class Leapfrog(Stepper):
         self.is_free = False
         self._take_two_rates()
         self.damping_and_error[0] = self.damping_and_error[1] = 0.0
-        self.held_at = t
-        self.interval = FIRST_HELD_STEPS * self.step_size
+        self.linearised_at = t
+        self.interval = FIRST_INTERVAL_STEPS * self.step_size
         if self.fixed:
             self.h = self.step_size
 
@@ -203,15 +203,15 @@ cdef class Leapfrog(Stepper):
         known = [1.0 if self.evaluated else 0.0, self.half_step_before, <double>self.count]
         rates = self._array(self.f) if self.evaluated else np.zeros(self.n)
         flags = 1.0 if self.implicit else 0.0, 1.0 if self.is_free else 0.0, <double>self.substeps
-        held = [self.held_at, self.interval, self.damping, *flags, *self._array(self.y_held)]
-        return np.array([*Stepper.state.__get__(self), *known, *rates, *(held if self.holds else ())])
+        linear_state = [self.linearised_at, self.interval, self.damping, *flags, *self._array(self.y_linearised)]
+        return np.array([*Stepper.state.__get__(self), *known, *rates, *(linear_state if self.linearises else ())])
 
     @state.setter
     def state(self, values: ArrayLike):
-        cdef double[::1] f, held
+        cdef double[::1] f, linear_state
         values = np.array(values, dtype=float)
         before = 4 + self.c.watched + self.n
-        size = before + 3 + self.n + (6 + self.n if self.holds else 0)
+        size = before + 3 + self.n + (6 + self.n if self.linearises else 0)
         if values.shape != (size,) or not np.all(np.isfinite(values)):
             raise ValueError(f"a state of this system is {size} finite numbers, got {values.shape}")
         Stepper.state.__set__(self, values[:before])
@@ -220,23 +220,23 @@ cdef class Leapfrog(Stepper):
         self.count = <size_t>values[before + 2]
         f = values[before + 3:before + 3 + self.n].copy()
         memcpy(self.f, &f[0], self.n * sizeof(double))
-        if self.holds:
-            held = values[before + 3 + self.n:].copy()
-            self.held_at = held[0]
-            self.interval = held[1]
-            self.damping = held[2]
-            if held[5] == 0.0:
+        if self.linearises:
+            linear_state = values[before + 3 + self.n:].copy()
+            self.linearised_at = linear_state[0]
+            self.interval = linear_state[1]
+            self.damping = linear_state[2]
+            if linear_state[5] == 0.0:
                 self._take_one_rate()
-            self.implicit = held[3] != 0.0
-            self.is_free = held[4] != 0.0
-            memcpy(self.y_held, &held[6], self.n * sizeof(double))
+            self.implicit = linear_state[3] != 0.0
+            self.is_free = linear_state[4] != 0.0
+            memcpy(self.y_linearised, &linear_state[6], self.n * sizeof(double))
 
     @property
     def diagnostics(self) -> dict[str, float]:
-        """How long friction was held on average [s], and its relative error then, on average and at most."""
+        """Interval of renewals of friction on average [s], and its relative error then, on average and at most."""
         if not self.renewals:
             return {}
-        return {"friction_held": self.total_held / self.renewals, "friction_off": self.total_error / self.renewals,
+        return {"friction_held": self.total_interval / self.renewals, "friction_off": self.total_error / self.renewals,
                 "friction_most_off": self.largest_error}
 
     cdef _why(self):
@@ -302,22 +302,22 @@ cdef class Leapfrog(Stepper):
 
     cdef int _enter(self) noexcept nogil:
         """Have the system hold the friction of this integration, whoever has used it since."""
-        if self.holds and self.evaluated:
-            return self.c.renew(self.held_at, self.y_held, False, self.damping_and_error, self.c.state)
+        if self.linearises and self.evaluated:
+            return self.c.renew(self.linearised_at, self.y_linearised, False, self.damping_and_error, self.c.state)
         return 0
 
     cdef int _start(self) noexcept nogil:
-        """The rates at a start, and friction held there."""
+        """The rates at a start, and friction linearised there."""
         cdef int status
-        if not self.holds:
+        if not self.linearises:
             return self._rates(self.t, self.y_now, self.f)
         status = self.c.renew(self.t, self.y_now, False, self.damping_and_error, self.c.state)
-        self.held_at = self.t
-        self.interval = FIRST_HELD_STEPS * self.step_size
+        self.linearised_at = self.t
+        self.interval = FIRST_INTERVAL_STEPS * self.step_size
         self.implicit = self._is_stiff()
-        memcpy(self.y_held, self.y_now, self.n * sizeof(double))
+        memcpy(self.y_linearised, self.y_now, self.n * sizeof(double))
         self.evaluations += 1
-        return status if status != 0 else self._rates_by_held_friction(self.t, self.y_now, 0.0, self.f)
+        return status if status != 0 else self._rates_by_linear_friction(self.t, self.y_now, 0.0, self.f)
 
     cdef double _step_size(self) noexcept nogil:
         """The fixed step; in free flight, up to where a contact closes or friction is to be renewed.
@@ -326,7 +326,7 @@ cdef class Leapfrog(Stepper):
         """
         cdef double longest
         cdef bint is_free = self.is_free
-        if self.c.flight == NULL or not self.holds or self.c.swing_frequency > 0.0:
+        if self.c.flight == NULL or not self.linearises or self.c.swing_frequency > 0.0:
             return self.step_size
         longest = fmin(self.interval, self.max_step)
         if fmax(self.damping, self.damping_and_error[0]) > 0.0:
@@ -342,13 +342,13 @@ cdef class Leapfrog(Stepper):
         """Whether friction damps speeds so fast that it has to be solved for."""
         return self.damping_and_error[0] * self.step_size > MAX_DAMPED_STEP
 
-    cdef int _held_rates(self, double t, const double *y, double half, double *rates) noexcept nogil:
+    cdef int _linearised_rates(self, double t, const double *y, double half, double *rates) noexcept nogil:
         """Rates at a time and a state in the middle of a step, friction renewed where it is due."""
         cdef const double *at = y
         cdef double off, factor
         cdef int status
         self.evaluations += 1
-        if t >= self.held_at + self.interval:
+        if t >= self.linearised_at + self.interval:
             if self.implicit:   # at the speeds before the step: extrapolated ones may lie on the other side of a bend
                 at = self.y_new
             status = self.c.renew(t, at, True, self.damping_and_error, self.c.state)
@@ -362,23 +362,24 @@ cdef class Leapfrog(Stepper):
             self.implicit = self._is_stiff()
             off = self.damping_and_error[1]
             factor = 0.9 * sqrt(self.allowed_error / fmax(off, 1e-300))
-            self.interval = fmin(self.interval * fmin(fmax(factor, 0.03), 2.0), MAX_HELD_STEPS * self.single_rate_step)
+            self.interval *= fmin(fmax(factor, 0.03), 2.0)
+            self.interval = fmin(self.interval, MAX_INTERVAL_STEPS * self.single_rate_step)
             self.interval = fmax(self.interval, self.step_size)
             self.renewals += 1
-            self.total_held += t - self.held_at
+            self.total_interval += t - self.linearised_at
             self.total_error += off
             self.largest_error = fmax(self.largest_error, off)
-            self.held_at = t
-            memcpy(self.y_held, at, self.n * sizeof(double))
-        return self._rates_by_held_friction(t, y, half if self.implicit else 0.0, rates)
+            self.linearised_at = t
+            memcpy(self.y_linearised, at, self.n * sizeof(double))
+        return self._rates_by_linear_friction(t, y, half if self.implicit else 0.0, rates)
 
-    cdef int _rates_by_held_friction(self, double t, const double *y, double half, double *rates) noexcept nogil:
-        """Rates by held friction, without contacts where these take substeps."""
+    cdef int _rates_by_linear_friction(self, double t, const double *y, double half, double *rates) noexcept nogil:
+        """Rates by linearised friction, without contacts where these take substeps."""
         cdef int status
         if self.substeps == 0:
-            return self.c.held(t, y, half, self.f, rates, self.c.state)
+            return self.c.linearised_rates(t, y, half, self.f, rates, self.c.state)
         self.c.apart[0] = 1
-        status = self.c.held(t, y, half, self.f, rates, self.c.state)
+        status = self.c.linearised_rates(t, y, half, self.f, rates, self.c.state)
         self.c.apart[0] = 0
         return status
 
@@ -403,8 +404,8 @@ cdef class Leapfrog(Stepper):
         self.kick(self.n, self.y_new, half, self.kicked, self.f, self.u)
         if not self.fixed and not rs_finite(self.u, self.n):
             return RS_NOT_FINITE
-        if self.holds:
-            status = self._held_rates(self.t + half, self.u, half, self.f_new)
+        if self.linearises:
+            status = self._linearised_rates(self.t + half, self.u, half, self.f_new)
         else:
             status = self._rates(self.t + half, self.u, self.f_new)
         if status != 0:
@@ -431,7 +432,7 @@ cdef class Leapfrog(Stepper):
         """Measure the strongest damping; where it is too strong, solve for friction, else return DAMPED."""
         cdef double all
         cdef int status = self._measure_damping()
-        if status != 0 or self.damping * self.step_size <= MAX_DAMPED_STEP or not self.holds:
+        if status != 0 or self.damping * self.step_size <= MAX_DAMPED_STEP or not self.linearises:
             return status if status != 0 or self.damping * self.step_size <= MAX_DAMPED_STEP else DAMPED
         all = self.damping
         self.c.still[0] = 1

@@ -64,8 +64,8 @@ One more force on the cage is added to fx, fy and torque of `head_and_ledger_rat
 planar_columns.h for its work and its impulse. A torque that depends on speeds alone is a drag model instead. A stiff
 contact needs `kick_contacts`, `until_contact` and `contact_frequency` too, which bound the steps by it.
 
-`roller_rates` and `head_rates` are the two halves of it for Jacobians. A step of leapfrog takes `renew_held_friction`
-now and then, `rates_with_held_friction` in its middle, and `drift`; or, if contacts of the cage have smaller steps,
+`roller_rates` and `head_rates` are the two halves of it for Jacobians. A step of leapfrog takes `renew_friction`
+now and then, `rates_with_linear_friction` in its middle, and `drift`; or, if contacts of the cage have smaller steps,
 `drift_with_contacts`, in which `kick_contacts` has the forces of bars and metal.
 
 Where a force is computed; its work or loss goes into the ledger at the same place:
@@ -78,7 +78,7 @@ normal force, by slices                    `normal_forces_by_slices`
 damping of the contacts                    loops.damped (planar_loops.h); rs_damping (rollslip_pocket.pxd) of slices and
                                            metal of lands
 traction and rolling resistance            rs_by_table, rs_ring_friction (rollslip_bearing.pxd), `tabulated_resistance`
-the same, held between evaluations         loops.tractions, loops.implicit (planar_loops.h), held.h
+the same, held between evaluations         loops.tractions, loops.implicit (planar_loops.h), linear_friction.h
 bars of the pockets: stiffness, damping,   `bar_forces_on_roller`, rs_pocket_bars, rs_pocket_side (rollslip_pocket.pxd)
 film and friction
 land                                       `add_land_forces`, rs_land_force (rollslip_land.pxd)
@@ -263,8 +263,8 @@ cdef int normal_forces_by_slices(planar_t *p, int ring) noexcept nogil:
 cdef int ring_contacts(const double *head, const double *rollers, planar_t *p, bint film, int friction) noexcept nogil:
     """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain.
 
-    With ``film`` conventional friction is that of the slices. ``friction`` is EVALUATED as of now, RENEWED to be held,
-    or KEPT as it is held.
+    With ``film`` conventional friction is that of the slices. ``friction`` is EVALUATED as of now, RENEWED to be
+    linearised anew, or LINEARISED by the last linearisation.
     """
     cdef size_t j, Z = p.c.rollers
     cdef double *resistance
@@ -275,7 +275,7 @@ cdef int ring_contacts(const double *head, const double *rollers, planar_t *p, b
         p.loops.bent(&p.c, head)
     for ring in range(2):
         resistance, conventional = p.c.resistance[ring], p.c.raceway[ring].friction == RS_CONVENTIONAL
-        sliced = friction != KEPT and (rs_by_slices(&p.c.raceway[ring]) or (conventional and film))
+        sliced = friction != LINEARISED and (rs_by_slices(&p.c.raceway[ring]) or (conventional and film))
         if not sliced and p.c.table[ring].cells and not p.loops.forces(&p.c, ring):
             p.loops.damped(&p.c, ring)
         else:
@@ -289,7 +289,7 @@ cdef int ring_contacts(const double *head, const double *rollers, planar_t *p, b
         if friction != EVALUATED and not conventional and p.resistance_cells[ring]:
             for j in range(Z):
                 resistance[j] *= p.c.rolling[ring][j] / rs_film_speed(p.c.rolling[ring][j])
-        if friction == KEPT:
+        if friction == LINEARISED:
             p.loops.tractions(&p.c, ring)
             continue
         if rs_by_table(&p.c, ring, friction, film):
@@ -306,34 +306,34 @@ cdef int ring_contacts(const double *head, const double *rollers, planar_t *p, b
     return 0
 
 
-cdef int renew_held_friction(double t, const double *y, int compared, double *measured, void *state) noexcept nogil:
+cdef int renew_friction(double t, const double *y, int compared, double *measured, void *state) noexcept nogil:
     """Linearise friction anew; measured are its strongest damping and, if compared, by how much it had been off."""
     cdef planar_t *p = <planar_t *>state
     cdef size_t Z = p.c.rollers, ring
     cdef double *before = p.c.room + Z   # rs_ring_friction works in the first Z
     cdef int status
     if compared:
-        status = ring_contacts(y, y + p.head_size, p, False, KEPT)
+        status = ring_contacts(y, y + p.head_size, p, False, LINEARISED)
         if status != 0:
             return status
         memcpy(before, p.c.traction[INNER], 2 * Z * sizeof(double))   # and those behind
     status = ring_contacts(y, y + p.head_size, p, False, RENEWED)
     if status != 0:
         return status
-    measured[0] = rs_held_damping(&p.c)
+    measured[0] = rs_friction_damping(&p.c)
     if compared:
         for ring in range(2):
             p.loops.tractions(&p.c, ring)
-        measured[1] = rs_held_gone(&p.c, before)
+        measured[1] = rs_linearisation_error(&p.c, before)
     return 0
 
 
-cdef int rates_with_held_friction(
+cdef int rates_with_linear_friction(
     double t, const double *y, double half, const double *before, double *rates, void *state
 ) noexcept nogil:
-    """All rates with friction as it is held."""
+    """All rates by linearised friction."""
     cdef planar_t *p = <planar_t *>state
-    cdef int status = ring_contacts(y, y + p.head_size, p, False, KEPT)
+    cdef int status = ring_contacts(y, y + p.head_size, p, False, LINEARISED)
     if status != 0:
         return status
     if p.contact_apart:
@@ -548,7 +548,7 @@ cdef inline void copy_head_and_ledger(const planar_t *p, const double *row, doub
 
 cdef int evaluate_rollers(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = ring_contacts(head, rollers, p, False, KEPT if p.c.still else EVALUATED)
+    cdef int status = ring_contacts(head, rollers, p, False, LINEARISED if p.c.still else EVALUATED)
     if status == 0:
         bar_forces(head, p)
         p.loops.rates(&p.c, head)
@@ -981,7 +981,7 @@ cdef class Planar:
         s.scale, s.kicked, s.autonomous = &self.scale[0], &self.kicked[0], not p.c.in_time
         s.state = s.speeds_state = &self.p
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
-        s.renew, s.held, s.still = renew_held_friction, rates_with_held_friction, &self.p.c.still
+        s.renew, s.linearised_rates, s.still = renew_friction, rates_with_linear_friction, &self.p.c.still
         s.apart, s.go, s.clear = &self.p.contact_apart, drift_with_contacts, is_clear
         # one roller against the cage, which moves and turns; the cage against a ring
         s.contact_frequency = sqrt(p.c.pocket.stiffness * (

@@ -189,7 +189,7 @@ static void RS_SET(rs_plane_implicit)(rs_bearing *p, const double *head, double 
     rs_column dn = p->rate[1];
     rs_given turning = p->turning, si = p->slope[0], so = p->slope[1];
     RS_EACH(j, p->rollers) {
-        double ki = rs_held_slope(&p->held[0], Ni[j], j), ko = rs_held_slope(&p->held[1], No[j], j), ds, dw;
+        double ki = rs_friction_slope(&p->linear[0], Ni[j], j), ko = rs_friction_slope(&p->linear[1], No[j], j), ds, dw;
         double along = x * c[j] + y * s[j], across = y * c[j] - x * s[j], radius = R + rho[j];
         double cage_along = cx * c[j] + cy * s[j], cage_across = cy * c[j] - cx * s[j];
         double a = p->inner_radius + along + r, b = p->outer_radius - r, per_I = 1.0 / (m * radius * radius);
@@ -281,7 +281,7 @@ static void RS_SET(rs_plane_totals)(const rs_bearing *p, double *sums) {
 }
 
 /* Tractions of a ring as they are held. */
-static void RS_SET(rs_plane_tractions)(rs_bearing *p, int ring) { rs_held_tractions(p, ring); }
+static void RS_SET(rs_plane_tractions)(rs_bearing *p, int ring) { rs_linear_tractions(p, ring); }
 
 static const rs_plane_loops RS_SET(rs_plane_loops) = {
     RS_SET(rs_plane_angles), RS_SET(rs_plane_places), RS_SET(rs_plane_forces), RS_SET(rs_plane_damped),

@@ -32,7 +32,7 @@ from rollslip_ribs cimport rs_rib_force, rs_rib_weights, rs_ribs
 
 cdef enum:
     N_RINGS = 2
-    N_COLUMNS = 7    # of `rs_held`
+    N_COLUMNS = 7    # of `rs_linear_friction`
     MAX_PARTS = 20   # of a step.  With 10 slips of four bearings change by up to 3.3e-4, with 5 by 4.9e-4; chosen
 
 # Sliding speed of a contact after a step, relative to that of rolling, from which on a change of its sign divides the
@@ -111,18 +111,18 @@ cdef struct roller_t:
 cdef int _contact(rs_raceway *raceway, double force, double sliding, double rolling, contact_t *contact) noexcept nogil:
     """Find the friction of a contact by the table of its raceway; 1 where the contact lies outside."""
     cdef double[N_COLUMNS] column
-    cdef rs_held held
+    cdef rs_linear_friction linear
     cdef double resistance = 0.0
-    held.by_force = &column[0]
-    held.by_root = &column[1]
-    held.force_slope = &column[2]
-    held.root_slope = &column[3]
-    held.sliding = &column[4]
-    held.resistance = &column[5]
-    held.resistance_slope = &column[6]
-    if not rs_box_reaches(raceway, &held, &force, &sliding, &rolling, &contact.traction, &resistance):
+    linear.by_force = &column[0]
+    linear.by_root = &column[1]
+    linear.force_slope = &column[2]
+    linear.root_slope = &column[3]
+    linear.sliding = &column[4]
+    linear.resistance = &column[5]
+    linear.resistance_slope = &column[6]
+    if not rs_box_reaches(raceway, &linear, &force, &sliding, &rolling, &contact.traction, &resistance):
         return 1
-    contact.slope = fmax(rs_held_slope(&held, force, 0), 0.0)
+    contact.slope = fmax(rs_friction_slope(&linear, force, 0), 0.0)
     contact.resistance = resistance * rolling / rs_film_speed(rolling)
     return 0
 

@@ -22,19 +22,19 @@ ctypedef int (*rs_evaluate_state)(const double *y, double *pockets, size_t step,
 
 
 cdef inline bint rs_by_table(rs_bearing *c, int ring, int friction, bint film) noexcept nogil:
-    """Friction of a ring by its table, held if it is renewed; whether all contacts lie within it.
+    """Friction of a ring by its table, linearised if it is renewed; whether all contacts lie within it.
 
-    With ``film`` friction is that of the slices, unless it is held.
+    With ``film`` friction is that of the slices, unless it is linearised.
     """
     if friction == EVALUATED and film:
         return False
     return rs_box_reaches(
-        &c.raceway[ring], &c.held[ring] if friction == RENEWED else NULL, c.force[ring], c.sliding[ring],
+        &c.raceway[ring], &c.linear[ring] if friction == RENEWED else NULL, c.force[ring], c.sliding[ring],
         c.rolling[ring], c.traction[ring], c.resistance[ring])
 
 
 cdef inline int rs_ring_friction(rs_bearing *c, int ring, int friction, bint resists) noexcept nogil:
-    """Friction of a ring without its table, held if it is renewed; returns as `rs_raceway_friction`.
+    """Friction of a ring without its table, linearised if it is renewed; returns as `rs_raceway_friction`.
 
     ``resists``: resistances are filled, or come in as magnitudes; else they are zero for good.
     """
@@ -52,15 +52,15 @@ cdef inline int rs_ring_friction(rs_bearing *c, int ring, int friction, bint res
 
 
 cdef inline int rs_hold_friction(rs_bearing *c, int ring, double *resistance) noexcept nogil:
-    """Hold friction that no table gives, its slopes by differences. Returns as `rs_raceway_friction`.
+    """Linearise friction that no table gives, its slopes by differences. Returns as `rs_raceway_friction`.
 
     Where friction is a coefficient it is evaluated of unit forces, so that it is known of rollers without load too.
     """
     cdef rs_raceway *w = &c.raceway[ring]
-    cdef rs_held *held = &c.held[ring]
+    cdef rs_linear_friction *linear = &c.linear[ring]
     cdef size_t j, n = w.rollers
     cdef double *beside = c.room
-    cdef double *unit = held.by_root
+    cdef double *unit = linear.by_root
     cdef const double *by = c.force[ring]
     cdef const double *sliding = c.sliding[ring]
     cdef double unloaded
@@ -68,25 +68,25 @@ cdef inline int rs_hold_friction(rs_bearing *c, int ring, double *resistance) no
     for j in range(n):
         unit[j] = 1.0
         beside[j] = sliding[j] + 1e-6 * (1.0 + fabs(sliding[j]))
-    held.resists = w.friction == RS_CONVENTIONAL and w.resists
+    linear.resists = w.friction == RS_CONVENTIONAL and w.resists
     if w.friction != RS_CONVENTIONAL:
         by, resistance = unit, NULL
     # the slopes first, so that what the chain leaves in its table is of these speeds
-    status = rs_raceway_friction(w, c.load_of[ring], by, beside, c.rolling[ring], held.force_slope, resistance)
+    status = rs_raceway_friction(w, c.load_of[ring], by, beside, c.rolling[ring], linear.force_slope, resistance)
     if status == 0:
-        status = rs_raceway_friction(w, c.load_of[ring], by, sliding, c.rolling[ring], held.by_force, resistance)
+        status = rs_raceway_friction(w, c.load_of[ring], by, sliding, c.rolling[ring], linear.by_force, resistance)
     if status != 0:
         return status
     for j in range(n):
         unloaded = 1.0 / by[j] if by[j] > 0.0 else 0.0
-        held.force_slope[j] = (held.force_slope[j] - held.by_force[j]) / (beside[j] - sliding[j]) * unloaded
-        held.by_force[j] *= unloaded
-        if held.resists:
-            held.resistance[j], held.resistance_slope[j] = resistance[j], 0.0
-    memset(held.by_root, 0, n * sizeof(double))
-    memset(held.root_slope, 0, n * sizeof(double))
-    memcpy(held.sliding, sliding, n * sizeof(double))
-    held.rooted = held.resists
+        linear.force_slope[j] = (linear.force_slope[j] - linear.by_force[j]) / (beside[j] - sliding[j]) * unloaded
+        linear.by_force[j] *= unloaded
+        if linear.resists:
+            linear.resistance[j], linear.resistance_slope[j] = resistance[j], 0.0
+    memset(linear.by_root, 0, n * sizeof(double))
+    memset(linear.root_slope, 0, n * sizeof(double))
+    memcpy(linear.sliding, sliding, n * sizeof(double))
+    linear.rooted = linear.resists
     return 0
 
 

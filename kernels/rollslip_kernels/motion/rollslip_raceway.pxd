@@ -110,27 +110,27 @@ cdef inline bint rs_by_slices(const rs_raceway *w) noexcept nogil:
 
 
 cdef inline bint rs_box_reaches(
-    rs_raceway *w, rs_held *held, const double *force, const double *sliding, const double *rolling, double *traction,
-    double *resistance
+    rs_raceway *w, rs_linear_friction *linear, const double *force, const double *sliding, const double *rolling,
+    double *traction, double *resistance
 ) noexcept nogil:
     """Conventional friction by its table, as `rs_raceway_friction` gives it; whether all contacts lie within it.
 
-    If something is given to hold it, it is held, and the resistance is its magnitude.
+    Where ``linear`` is given, friction is linearised into it, and the resistance is its magnitude.
     """
     cdef double sense
     cdef size_t j
     if w.friction != RS_CONVENTIONAL or w.box.half == 0 or rs_box_friction(
-            &w.box, w.rollers, force, sliding, rolling, traction, resistance, held):
+            &w.box, w.rollers, force, sliding, rolling, traction, resistance, linear):
         return False
     w.evaluated += w.rollers
-    if held != NULL:
-        memcpy(held.sliding, sliding, w.rollers * sizeof(double))
-        held.rooted, held.resists = True, w.resists
+    if linear != NULL:
+        memcpy(linear.sliding, sliding, w.rollers * sizeof(double))
+        linear.rooted, linear.resists = True, w.resists
     for j in range(w.rollers if w.resists else 0):
         sense = rolling[j] / rs_film_speed(rolling[j])
-        if held != NULL:
-            held.resistance[j] *= sense
-            held.resistance_slope[j] *= sense
+        if linear != NULL:
+            linear.resistance[j] *= sense
+            linear.resistance_slope[j] *= sense
         else:
             resistance[j] *= sense
     return True

@@ -56,23 +56,23 @@ typedef struct {
     int (*drift)(double h, double *y, void *speeds_state);
     /* all rates at once [n], the same to rounding; NULL: the parts above are summed */
     int (*rates)(double t, const double *y, double *rates, void *state);
-    /* What changes slowly, friction above all, may be held between evaluations, linear in time and speeds
-       about the state where it was evaluated last; NULL: nothing is.
-       renew evaluates it at (t, y) and holds it; `report` gets the fastest rate [1/s] at which it damps the speeds
-       of a roller, and, where compared is not 0, the relative error of what was held until then.
-       held gives all rates by it; with half > 0, of a step of 2 half whose rates of kicked unknowns were `before`,
-       with friction as it is at the speeds in the middle of the step that it brings about. */
+    /* What changes slowly, friction above all, may be linearised in time and speeds about the state where it was
+       evaluated last; NULL: nothing is.
+       renew evaluates and linearises it at (t, y); `report` gets the fastest rate [1/s] at which it damps the speeds
+       of a roller, and, where compared is not 0, the relative error of the linearisation until then.
+       linearised_rates gives all rates by it; with half > 0, of a step of 2 half whose rates of kicked unknowns were
+       `before`, with friction as it is at the speeds in the middle of the step that it brings about. */
     int (*renew)(double t, const double *y, int compared, double *report, void *state);
-    int (*held)(double t, const double *y, double half, const double *before, double *rates, void *state);
-    /* while not 0, rates and their parts leave friction as it was held: what is damped without it */
+    int (*linearised_rates)(double t, const double *y, double half, const double *before, double *rates, void *state);
+    /* while not 0, rates and their parts leave friction as it was linearised: what is damped without it */
     int *still;
     /* time in which no contact closes if the rates stay as they are, at most `most`; NULL: not known */
     double (*flight)(double t, const double *y, const double *rates, double most, void *speeds_state);
     /* Contacts that close and open, apart from all other forces, so that substeps resolve their oscillations;
        NULL: not separated.
-       While *apart is not 0, held leaves contacts out. go drifts by h from t on, and in parts of h adds to speeds
-       and ledger what contacts do, with the damping at the speeds in the middle. clear: whether no contact closes
-       within a time h from where held was called last, at the speeds there. */
+       While *apart is not 0, linearised_rates leaves contacts out. go drifts by h from t on, and in parts of h adds to
+       speeds and ledger what contacts do, with the damping at the speeds in the middle. clear: whether no contact
+       closes within a time h from where linearised_rates was called last, at the speeds there. */
     int *apart;
     int (*go)(double t, double h, size_t parts, double *y, void *state);
     int (*clear)(double h, void *speeds_state);

@@ -81,11 +81,11 @@ cdef class System:
         cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
         return self.c.flight(t, &given[0], &going[0], most, self.c.speeds_state) if self.c.flight != NULL else 0.0
 
-    def held(
+    def linearised_rates(
         self, double since, at: ArrayLike, double t, y: ArrayLike, double half=0.0, before: ArrayLike | None = None,
         bint apart=False,
     ) -> Array | None:
-        """Return all rates at (t, y) with what is held as it is at (since, at); None where nothing is held.
+        """Return all rates at (t, y) with friction linearised at (since, at); None where none is linearised.
 
         With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for; ``apart`` leaves out
         contacts, for which `go` takes substeps.
@@ -99,7 +99,7 @@ cdef class System:
         self._check(self.c.renew(since, &then[0], False, report, self.c.state), since)
         if apart:
             self.c.apart[0] = 1
-        status = self.c.held(t, &given[0], half, &old[0], &rates[0], self.c.state)
+        status = self.c.linearised_rates(t, &given[0], half, &old[0], &rates[0], self.c.state)
         if apart:
             self.c.apart[0] = 0
         self._check(status, t)

@@ -114,7 +114,7 @@ cdef double _value(course_t *c, double t) noexcept nogil:
     return p[0] + x * (p[1] + x * (p[2] + x * p[3]))
 
 
-cdef inline bint _holds(const varying_t *v, const box_t *box, const double *x) noexcept nogil:
+cdef inline bint _contains(const varying_t *v, const box_t *box, const double *x) noexcept nogil:
     cdef size_t a
     for a in range(v.axes):
         if not box.node[a][0] <= x[a] <= box.node[a][NODES - 1]:
@@ -140,9 +140,9 @@ cdef int _look(varying_t *v, double t) noexcept nogil:
         if <int>a == v.root_axis:
             x[a] = sqrt(max(x[a], 0.0))
         x[a] = min(max(x[a], v.floor[a]), v.top[a])
-    if v.n_boxes == 0 or not _holds(v, &v.boxes[v.last], x):
+    if v.n_boxes == 0 or not _contains(v, &v.boxes[v.last], x):
         for m in range(v.n_boxes):
-            if _holds(v, &v.boxes[m], x):
+            if _contains(v, &v.boxes[m], x):
                 v.last = m
                 break
         else:
@@ -265,10 +265,12 @@ cdef int _renew(double t, const double *y, int compared, double *report, void *s
     return status if status != 0 else s.renew(t, y, compared, report, s.state)
 
 
-cdef int _held(double t, const double *y, double half, const double *before, double *rates, void *state) noexcept nogil:
+cdef int _linearised_rates(
+    double t, const double *y, double half, const double *before, double *rates, void *state
+) noexcept nogil:
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
     cdef int status = _look(<varying_t *>state, t)
-    return status if status != 0 else s.held(t, y, half, before, rates, s.state)
+    return status if status != 0 else s.linearised_rates(t, y, half, before, rates, s.state)
 
 
 cdef int _go(double t, double h, size_t parts, double *y, void *state) noexcept nogil:
@@ -412,9 +414,9 @@ cdef class Varying:
         s.scale, s.autonomous, s.state, s.rates = &self.scale[0], self.autonomous, &self.v, _rates
         s.swing_frequency = swing_frequency   # the rest of what moves fast is that of any station, as speeds are
         if self.v.axes or s.renew == NULL:   # what is held is of one system
-            s.renew, s.held, s.still, s.go = NULL, NULL, NULL, NULL
+            s.renew, s.linearised_rates, s.still, s.go = NULL, NULL, NULL, NULL
         else:
-            s.renew, s.held = _renew, _held
+            s.renew, s.linearised_rates = _renew, _linearised_rates
             if s.go != NULL:
                 s.go = _go
         return rs_new_system(&s, self)

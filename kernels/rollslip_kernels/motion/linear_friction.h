@@ -1,11 +1,11 @@
-/* Friction of the rollers on a raceway as it is held between evaluations: linear in the sliding speed about the one at
- * which it was evaluated, and following the force of the roller,
+/* Friction of the rollers on a raceway between evaluations: linearised in the sliding speed about the one at which it
+ * was evaluated, and following the force of the roller,
  *
  *     F = Q (b + d (V - V_0)) + sqrt(Q) (a + c (V - V_0))        F_R = R + S sqrt(Q)
  *
  * - b, d alone where friction is a coefficient times the force; a, c too where it comes from a table of F/sqrt(Q). */
-#ifndef ROLLSLIP_HELD_H
-#define ROLLSLIP_HELD_H
+#ifndef ROLLSLIP_LINEAR_FRICTION_H
+#define ROLLSLIP_LINEAR_FRICTION_H
 #include "motion/columns.h"
 
 typedef struct {
@@ -19,11 +19,11 @@ typedef struct {
     double *resistance_slope;   /* S [N^0.5] */
     int rooted;                 /* whether a and c are there */
     int resists;                /* whether R and S are there */
-} rs_held;
+} rs_linear_friction;
 
-/* Tractions of n rollers by what is held, and resistances that come with the friction. */
-RS_INLINED void rs_held_friction(
-    const rs_held *h, size_t n, rs_given force, rs_given V, rs_column traction, rs_column resistance
+/* Tractions of n rollers by linearised friction, and resistances that come with the friction. */
+RS_INLINED void rs_linear_friction_forces(
+    const rs_linear_friction *h, size_t n, rs_given force, rs_given V, rs_column traction, rs_column resistance
 ) {
     rs_given b = h->by_force, a = h->by_root, d = h->force_slope, c = h->root_slope, V0 = h->sliding;
     rs_given R = h->resistance, S = h->resistance_slope;
@@ -39,7 +39,7 @@ RS_INLINED void rs_held_friction(
 }
 
 /* dF/dV of a roller at a force, N s/m */
-RS_INLINED double rs_held_slope(const rs_held *h, double force, size_t j) {
+RS_INLINED double rs_friction_slope(const rs_linear_friction *h, double force, size_t j) {
     return force * h->force_slope[j] + (h->rooted ? sqrt(force) * h->root_slope[j] : 0.0);
 }
 
