@@ -51,9 +51,9 @@ RS_INLINED int rs_box_evaluated(
 ) {
     const int across = 2 * t->half + 1;
     const double most = (double)t->half, speeds = (double)(t->speeds - 1);
-    double of_sliding[RS_ROUND], of_root[RS_ROUND], of_speed[RS_ROUND], root[RS_ROUND];
-    for (size_t start = 0; start < n; start += RS_ROUND) {
-        const size_t part = n - start < RS_ROUND ? n - start : RS_ROUND;
+    double of_sliding[RS_BATCH], of_root[RS_BATCH], of_speed[RS_BATCH], root[RS_BATCH];
+    for (size_t start = 0; start < n; start += RS_BATCH) {
+        const size_t part = n - start < RS_BATCH ? n - start : RS_BATCH;
         rs_given Q = force + start, V = sliding + start, u = rolling + start;
         int outside = 0;
         RS_EACH(j, part) {

@@ -109,10 +109,10 @@ static int RS_SET(rs_plane_forces)(rs_bearing *p, int ring) {
     const rs_gap_table *t = &p->table[ring];
     const double per_root = t->per_root, end = (double)t->cells, last = end - 1.0, lowest = p->lowest_drop;
     const double *values = t->values;
-    double place[RS_ROUND];
+    double place[RS_BATCH];
     int beyond = 0;
-    for (size_t start = 0; start < p->rollers; start += RS_ROUND) {
-        const size_t n = p->rollers - start < RS_ROUND ? p->rollers - start : RS_ROUND;
+    for (size_t start = 0; start < p->rollers; start += RS_BATCH) {
+        const size_t n = p->rollers - start < RS_BATCH ? p->rollers - start : RS_BATCH;
         rs_given gap = p->gap[ring] + start;
         rs_column to = p->elastic[ring] + start;
         RS_EACH(j, n) {

@@ -37,13 +37,13 @@ cdef inline void rs_curve_traction(
     const rs_friction_table *t, size_t n, const double *force, const double *sliding, double *traction
 ) noexcept nogil:
     """mu(V) Q of n contacts by a table."""
-    cdef double share[RS_ROUND]
-    cdef int cell[RS_ROUND]
+    cdef double share[RS_BATCH]
+    cdef int cell[RS_BATCH]
     cdef double V, x, scale = t.sliding_scale, per_cell = t.per_cell, before = t.before
     cdef int j, part, cells = t.cells
     cdef const double *a
     while n > 0:
-        part = <int>min(n, <size_t>RS_ROUND)
+        part = <int>min(n, <size_t>RS_BATCH)
         for j in range(part):
             V = sliding[j]
             cell[j] = rs_cell(V / (fabs(V) + scale) * per_cell + before, cells, &share[j])
