@@ -31,10 +31,10 @@ cdef double dot(const double *a, const double *b, Py_ssize_t n) noexcept nogil:
     return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 
 
-cdef void taken(double *of, double share, const double *other, Py_ssize_t n) noexcept nogil:
+cdef void taken(double *of, double projection, const double *other, Py_ssize_t n) noexcept nogil:
     cdef Py_ssize_t i
     for i in range(n):
-        of[i] -= share * other[i]
+        of[i] -= projection * other[i]
 
 
 cdef Py_ssize_t jacobi(
@@ -124,7 +124,7 @@ cdef Py_ssize_t _gather(
 cdef void _rule(const room_t *at, Py_ssize_t n, Py_ssize_t count, double *nodes, double *weights) noexcept nogil:
     """The rule of what is gathered, ascending, into nodes and weights that are 0."""
     cdef Py_ssize_t i, j, size
-    cdef double total = 0.0, node, share
+    cdef double total = 0.0, node, weight
     if n == 0:
         return
     for i in range(n):
@@ -139,11 +139,11 @@ cdef void _rule(const room_t *at, Py_ssize_t n, Py_ssize_t count, double *nodes,
         at.first[i] = 1.0 if i == 0 else 0.0
     eigenvalues(at.diagonal, at.beside, at.first, size)
     for i in range(size):
-        j, node, share = i, at.diagonal[i] * at.diagonal[i], at.first[i] * at.first[i] * total
+        j, node, weight = i, at.diagonal[i] * at.diagonal[i], at.first[i] * at.first[i] * total
         while j > 0 and nodes[j - 1] > node:
             nodes[j], weights[j] = nodes[j - 1], weights[j - 1]
             j -= 1
-        nodes[j], weights[j] = node, share
+        nodes[j], weights[j] = node, weight
 
 
 cdef room_t _room(double[::1] of, Py_ssize_t most, Py_ssize_t count) noexcept:

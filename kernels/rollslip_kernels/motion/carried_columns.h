@@ -69,7 +69,7 @@ static void rs_carried_places(rs_bearing *c, const double *head) {
 }
 
 /* Forces of roller j in a cell of loads [positions x 2 x 4 x channels]: powers of the place, below and above. */
-static inline void rs_carried_forces_of(rs_bearing *c, size_t j, const double *powers, double share, size_t channels) {
+static inline void rs_carried_forces_of(rs_bearing *c, size_t j, const double *powers, double fraction, size_t channels) {
     const double place = c->turns[j] * (double)c->positions;
     size_t k = (size_t)place;
     k = k < c->positions ? k : c->positions - 1;
@@ -77,20 +77,20 @@ static inline void rs_carried_forces_of(rs_bearing *c, size_t j, const double *p
     for (size_t i = 0; i < channels; i++) {
         double low = a[i] + x * (a[channels + i] + x * (a[2 * channels + i] + x * a[3 * channels + i]));
         double high = b[i] + x * (b[channels + i] + x * (b[2 * channels + i] + x * b[3 * channels + i]));
-        double value = low + share * (high - low);
+        double value = low + fraction * (high - low);
         c->force[0][i * c->rollers + j] = value > 0.0 ? value : 0.0;   /* and resistances behind forces */
     }
 }
 
-static inline void rs_carried_forces(rs_bearing *c, size_t j, const double *powers, double share) {
+static inline void rs_carried_forces(rs_bearing *c, size_t j, const double *powers, double fraction) {
     if (c->channels == 2)
-        rs_carried_forces_of(c, j, powers, share, 2);
+        rs_carried_forces_of(c, j, powers, fraction, 2);
     else
-        rs_carried_forces_of(c, j, powers, share, 4);
+        rs_carried_forces_of(c, j, powers, fraction, 4);
 }
 
 /* The same, to be held: with its rate, which is that of the place at the present speed. */
-static inline void rs_carried_force_rates(rs_bearing *c, size_t j, const double *powers, double share) {
+static inline void rs_carried_force_rates(rs_bearing *c, size_t j, const double *powers, double fraction) {
     const double place = c->turns[j] * (double)c->positions;
     const double pace = c->unknown[SPEED][j] * (double)c->positions / (2.0 * 3.14159265358979323846);
     const size_t channels = c->channels;
@@ -102,7 +102,7 @@ static inline void rs_carried_force_rates(rs_bearing *c, size_t j, const double 
         double high = b[channels + i] + x * (2.0 * b[2 * channels + i] + 3.0 * x * b[3 * channels + i]);
         double force = c->force[0][i * c->rollers + j];
         c->force_then[i][j] = force;
-        c->force_rate[i][j] = force > 0.0 ? pace * (low + share * (high - low)) : 0.0;
+        c->force_rate[i][j] = force > 0.0 ? pace * (low + fraction * (high - low)) : 0.0;
     }
 }
 

@@ -19,7 +19,7 @@
 #endif
 #define RS_EACH(j, n) RS_INDEPENDENT for (size_t j = 0; j < (n); j++)
 
-#define RS_BATCH 64         /* rollers evaluated at once, their cells on the stack; 32 and 128 give the same numbers */
+#define RS_BATCH 64         /* rollers whose cells are on the stack at once; none depends on another, so any number serves */
 #define RS_SMALL_ANGLE 0.05 /* up to which cos and sin are series, right to 1e-19 */
 
 /* Around functions that are also compiled for four numbers side by side, AVX2.  Eight gain nothing: there are some tens

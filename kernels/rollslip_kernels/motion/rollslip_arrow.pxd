@@ -61,7 +61,7 @@ cdef inline void rs_place_arrow(const rs_system *s, double *memory, rs_arrow *ar
     arrow.head_roller = arrow.head_head + (s.head + s.ledger) * s.head
     arrow.roller_head = arrow.head_roller + rs_row(s) * s.rollers * s.block
     arrow.roller_roller = arrow.roller_head + s.rollers * s.block * s.head
-    arrow.share_head = arrow.roller_roller + s.rollers * s.block * s.block
+    arrow.record_head = arrow.roller_roller + s.rollers * s.block * s.block
 
 
 cdef inline void rs_place_factors(const rs_system *s, double *memory, size_t *order, rs_factors *f) noexcept nogil:
@@ -179,7 +179,7 @@ cdef inline void rs_column(
             for i in range(sums):
                 out.head_head[i * H + column] += added_plus[j * W + i] - added_minus[j * W + i]
             for i in range(sums, W):
-                out.share_head[(j * s.shares + i - sums) * H + column] = (
+                out.record_head[(j * s.shares + i - sums) * H + column] = (
                     added_plus[j * W + i] - added_minus[j * W + i]) / width
         for i in range(sums):
             out.head_head[i * H + column] /= width
@@ -355,7 +355,7 @@ cdef inline void rs_solve(const rs_system *s, const rs_arrow *arrow, rs_factors 
         for i in range(S):
             v = shares[j * S + i]
             for k in range(H):
-                v += arrow.share_head[(j * S + i) * H + k] * x[k]
+                v += arrow.record_head[(j * S + i) * H + k] * x[k]
             for k in range(B):
                 v += row[i * B + k] * own[k]
             shares[j * S + i] = v / f.shift

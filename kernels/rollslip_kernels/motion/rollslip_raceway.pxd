@@ -19,13 +19,13 @@ from libc.string cimport memcpy
 from bearing_h cimport *
 
 
-cdef inline int rs_cell(double place, int cells, double *share) noexcept nogil:
+cdef inline int rs_cell(double place, int cells, double *fraction) noexcept nogil:
     """Cell of 0 .. cells - 1 and the place in it, 0 to 1 or NaN."""
     cdef double last = <double>(cells - 1), inside = place if place > 0.0 else 0.0
     cdef int i = <int>(inside if inside < last else last)
     cdef double x = place - <double>i
     x = 1.0 if x > 1.0 else x
-    share[0] = 0.0 if x < 0.0 else x
+    fraction[0] = 0.0 if x < 0.0 else x
     return i
 
 
@@ -37,7 +37,7 @@ cdef inline void rs_curve_traction(
     const rs_friction_table *t, size_t n, const double *force, const double *sliding, double *traction
 ) noexcept nogil:
     """mu(V) Q of n contacts by a table."""
-    cdef double share[RS_BATCH]
+    cdef double fraction[RS_BATCH]
     cdef int cell[RS_BATCH]
     cdef double V, x, scale = t.sliding_scale, per_cell = t.per_cell, before = t.before
     cdef int j, part, cells = t.cells
@@ -46,9 +46,9 @@ cdef inline void rs_curve_traction(
         part = <int>min(n, <size_t>RS_BATCH)
         for j in range(part):
             V = sliding[j]
-            cell[j] = rs_cell(V / (fabs(V) + scale) * per_cell + before, cells, &share[j])
+            cell[j] = rs_cell(V / (fabs(V) + scale) * per_cell + before, cells, &fraction[j])
         for j in range(part):
-            a, x = t.values + 4 * cell[j], share[j]
+            a, x = t.values + 4 * cell[j], fraction[j]
             traction[j] = force[j] * (a[0] + x * (a[1] + x * (a[2] + x * a[3])))
         n, force, sliding, traction = n - part, force + part, sliding + part, traction + part
 

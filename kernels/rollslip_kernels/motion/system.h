@@ -17,7 +17,7 @@ typedef struct {
     double *head_roller;    /* [Z x (H+L+S) x B]  what a roller adds and its shares, by its own unknowns */
     double *roller_head;    /* [Z x B x H] */
     double *roller_roller;  /* [Z x B x B] */
-    double *share_head;     /* [Z x S x H] */
+    double *record_head;   /* [Z x S x H] */
 } rs_arrow;
 
 /* Every function returns 0; -1: a Python error is set; k > 0: refused, the owner's refusal() says what. All

@@ -146,17 +146,17 @@ cdef class System:
         H, Z, B, L, S = self.head, self.rollers, self.block, self.ledger, self.shares
         shapes = [(H + L, H), (Z, H + L + S, B), (Z, B, H), (Z, B, B), (Z, S, H)]
         parts = np.split(np.asarray(arrow), np.cumsum([int(np.prod(shape)) for shape in shapes]))[:5]
-        head_head, head_roller, roller_head, roller_roller, share_head = (
+        head_head, head_roller, roller_head, roller_roller, record_head = (
             part.reshape(shape) for part, shape in zip(parts, shapes, strict=True))
         dense = np.zeros((self.n, self.n))
         behind = H + Z * B + L
         receiving = np.r_[0:H, H + Z * B:behind]
         dense[receiving, :H] = head_head
         for j in range(Z):
-            own, share = slice(H + j * B, H + (j + 1) * B), slice(behind + j * S, behind + (j + 1) * S)
+            own, records = slice(H + j * B, H + (j + 1) * B), slice(behind + j * S, behind + (j + 1) * S)
             dense[receiving, own] = head_roller[j, :H + L]
-            dense[share, own] = head_roller[j, H + L:]
-            dense[share, :H] = share_head[j]
+            dense[records, own] = head_roller[j, H + L:]
+            dense[records, :H] = record_head[j]
             dense[own, :H] = roller_head[j]
             dense[own, own] = roller_roller[j]
         return dense

@@ -19,14 +19,14 @@ cdef bint _raises(capsule) except -1:
     return q.boundary_raises or q.hydrodynamic_raises
 
 
-cdef object _new(boundary, hydrodynamic, rs_evaluate share, tuple law):
+cdef object _new(boundary, hydrodynamic, rs_evaluate fraction, tuple law):
     """Stage that blends two capsules by a share law; they live as long as it does."""
     cdef blend_params q
     cdef int k
     q.boundary = (<rs_model *>PyCapsule_GetPointer(boundary, ROLLSLIP_MODEL))[0]
     q.hydrodynamic = (<rs_model *>PyCapsule_GetPointer(hydrodynamic, ROLLSLIP_MODEL))[0]
     q.boundary_raises, q.hydrodynamic_raises = _raises(boundary), _raises(hydrodynamic)
-    q.share = share
+    q.fraction = fraction
     for k in range(<int>len(law)):
         q.law[k] = law[k]
     return rs_new_model(rs_active_blocks().blend, &q, sizeof(q), (boundary, hydrodynamic))
@@ -34,16 +34,16 @@ cdef object _new(boundary, hydrodynamic, rs_evaluate share, tuple law):
 
 def power(boundary, hydrodynamic, double boundary_limit, double hydrodynamic_limit, double exponent):
     """Return the stage that blends two capsules by a power of the film parameter between two limits."""
-    return _new(boundary, hydrodynamic, rs_active_blocks().power_share, (boundary_limit, hydrodynamic_limit, exponent))
+    return _new(boundary, hydrodynamic, rs_active_blocks().power_fraction, (boundary_limit, hydrodynamic_limit, exponent))
 
 
 def exponential(boundary, hydrodynamic, double reach, double factor, double exponent):
     """Return the stage that blends two capsules by exp(-factor Lambda^exponent), 0 from ``reach`` on."""
-    return _new(boundary, hydrodynamic, rs_active_blocks().exponential_share, (reach, factor, exponent))
+    return _new(boundary, hydrodynamic, rs_active_blocks().exponential_fraction, (reach, factor, exponent))
 
 
 def greenwood_tripp(boundary, hydrodynamic, double reach, double coefficient, series: Sequence[float]):
     """Return the stage that blends two capsules by the pressure on asperities, 0 from ``reach`` on."""
     if len(series) != TERMS:
         raise ValueError(f"the series of the integral has {TERMS} terms, not {len(series)}")
-    return _new(boundary, hydrodynamic, rs_active_blocks().greenwood_tripp_share, (reach, coefficient, *series))
+    return _new(boundary, hydrodynamic, rs_active_blocks().greenwood_tripp_fraction, (reach, coefficient, *series))

@@ -61,7 +61,7 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
     }
     for (size_t i = 0; i < n; i++) most = most > L[i] ? most : L[i], least = least < L[i] ? least : L[i];
     if (most > last) {
-        double per_share = 1.0 / (q->columns[0] - last);
+        double per_blend = 1.0 / (q->columns[0] - last);
         EACH(i, n) half_width[i] = l[i];
         for (int k = 0; k < LIGHT_LOADS - 1; k++) {
             double low = q->knots[k], per = 1.0 / (q->knots[k + 1] - low), step = q->rise[0][k + 1] - q->rise[0][k];
@@ -80,7 +80,7 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
         }
         EACH(i, n) {
             double tabled = half_width[i] < 0.0 ? half_width[i] : 0.0;
-            pressure[i] += PATH(within_one)((L[i] - last) * per_share) * (tabled - pressure[i]);
+            pressure[i] += PATH(within_one)((L[i] - last) * per_blend) * (tabled - pressure[i]);
         }
     }
     EACH(i, n) {

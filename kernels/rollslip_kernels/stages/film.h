@@ -225,19 +225,19 @@ STAGE(inlet_factor, COL_rolling_speed | COL_sliding_speed | COL_pressure | COL_f
 }
 
 /* below it the other one of film and layer does not matter to the last bit */
-#define LEAST_SHARE 1e-30
+#define MIN_RATIO 1e-30
 #define PLENTY 1.0   /* [m], a layer that limits no film */
 
-/* h = (h_film^-g + layer^-g)^(-1/g) = thin (1 + share^g)^(-1/g), with share = thin/thick */
+/* h = (h_film^-g + layer^-g)^(-1/g) = thin (1 + ratio^g)^(-1/g), with ratio = thin/thick */
 STAGE(inlet_layer, COL_film_thickness, COL_film_thickness) {
     const inlet_params *q = (const inlet_params *)params;
     double *film = s->film_thickness, layer = q->layer, exponent = q->exponent, back = -1.0 / exponent;
     size_t n = WHOLE(s->n);
     EACH(i, n) {
         double thin = film[i] < layer ? film[i] : layer, thick = film[i] < layer ? layer : film[i];
-        double share = thin > LEAST_SHARE * thick ? thin / thick : LEAST_SHARE;
+        double ratio = thin > MIN_RATIO * thick ? thin / thick : MIN_RATIO;
         double whole;
-        double rest = rs_log2_parts(share, &whole);
+        double rest = rs_log2_parts(ratio, &whole);
         double power = rs_log2_plus_one(rs_exp2_falling(exponent * (whole + rest)));
         film[i] = thin * rs_exp2_falling(back * power);
     }

@@ -29,11 +29,11 @@ static void PATH(film_groups)(const rs_slices *s, double factor, filled newtonia
     }
 }
 
-static void PATH(film_friction)(const rs_slices *s, given newtonian, given share) {
+static void PATH(film_friction)(const rs_slices *s, given newtonian, given fraction) {
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction;
     size_t n = WHOLE(s->n);
-    EACH(i, n) friction[i] = copysign(newtonian[i] / pressure[i] * share[i], sliding[i]);
+    EACH(i, n) friction[i] = copysign(newtonian[i] / pressure[i] * fraction[i], sliding[i]);
 }
 
 RS_INLINE double PATH(at_least)(double x, double least) { return x < least ? least : x; }   /* a NaN stays */
@@ -60,16 +60,16 @@ static void PATH(gather)(size_t m, const size_t *index, given from, filled to) {
 }
 
 /* F(t) of slices with three groups each, and fall = -dlnF/dln t */
-typedef void (*PATH(share_law))(size_t n, given t, given a, given b, given c, filled value, filled fall);
+typedef void (*PATH(fraction_law))(size_t n, given t, given a, given b, given c, filled value, filled fall);
 
 /* Solve t = F(t) from upper bounds. */
-static void PATH(softened)(size_t n, PATH(share_law) law, given a, given b, given c, filled share) {
+static void PATH(softened)(size_t n, PATH(fraction_law) law, given a, given b, given c, filled fraction) {
     double t[BLOCK], p[BLOCK], q[BLOCK], r[BLOCK], value[BLOCK], fall[BLOCK], step[BLOCK];
     size_t index[BLOCK], m = n;
     EACH(i, n) index[i] = i;
     for (int k = 0; k < MAX_STEPS && m; k++) {
         size_t whole = WHOLE(m + LANES - 1), left = 0;
-        PATH(gather)(m, index, share, t);
+        PATH(gather)(m, index, fraction, t);
         PATH(gather)(m, index, a, p);
         PATH(gather)(m, index, b, q);
         PATH(gather)(m, index, c, r);
@@ -77,7 +77,7 @@ static void PATH(softened)(size_t n, PATH(share_law) law, given a, given b, give
         EACH(i, whole) step[i] = rs_log(t[i] / value[i]) / (1.0 + fall[i]);
         EACH(i, whole) t[i] *= rs_exp(-step[i]);
         for (size_t i = 0; i < m; i++) {
-            share[index[i]] = t[i];
+            fraction[index[i]] = t[i];
             index[left] = index[i];
             left += (1.0 + fall[i]) * step[i] * step[i] > 1e-17;   /* the error left; also ends on NaN */
         }

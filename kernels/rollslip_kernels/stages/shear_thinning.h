@@ -10,7 +10,7 @@
  * - Which of three ways a slice takes, early, rising or settling, is its own: they are gathered and done apart. */
 
 /* t = exp(-w t) [1 + (c exp(-w t))^2]^((n - 1)/2), c = eta V/(h G)      [Carreau 1972, Bair 2019] */
-static void PATH(carreau_share)(
+static void PATH(carreau_fraction)(
     size_t n, given t, given softening, given strain, given exponent, filled value, filled fall
 ) {
     double thinned[BLOCK], c[BLOCK];
@@ -24,7 +24,7 @@ static void PATH(carreau_share)(
 
 STAGE(carreau, HEATED_FILM, COL_friction) {
     const carreau_params *q = (const carreau_params *)params;
-    double newtonian[BLOCK], softening[BLOCK], strain[BLOCK], exponent[BLOCK], share[BLOCK], bound[BLOCK];
+    double newtonian[BLOCK], softening[BLOCK], strain[BLOCK], exponent[BLOCK], fraction[BLOCK], bound[BLOCK];
     size_t n = WHOLE(s->n);
     PATH(film_groups)(s, q->flash, newtonian, softening, strain);
     EACH(i, n) {
@@ -33,10 +33,10 @@ STAGE(carreau, HEATED_FILM, COL_friction) {
         exponent[i] = q->exponent;
     }
     PATH(newtonian_bound)(n, softening, bound);
-    EACH(i, n) share[i] = rs_pow(PATH(hypot_one)(strain[i]), exponent[i] - 1.0);
-    EACH(i, n) share[i] = bound[i] < share[i] ? bound[i] : share[i];
-    PATH(softened)(n, PATH(carreau_share), softening, strain, exponent, share);
-    PATH(film_friction)(s, newtonian, share);
+    EACH(i, n) fraction[i] = rs_pow(PATH(hypot_one)(strain[i]), exponent[i] - 1.0);
+    EACH(i, n) fraction[i] = bound[i] < fraction[i] ? bound[i] : fraction[i];
+    PATH(softened)(n, PATH(carreau_fraction), softening, strain, exponent, fraction);
+    PATH(film_friction)(s, newtonian, fraction);
     return 0;
 }
 
@@ -244,7 +244,7 @@ static void PATH(transit)(size_t n, given eps, given p, filled mean, filled end)
     }
 }
 
-static void PATH(limiting_share)(
+static void PATH(limiting_fraction)(
     size_t n, given t, given softening, given strain, given deborah, filled value, filled fall
 ) {
     double thinned[BLOCK], eps[BLOCK], p[BLOCK], end[BLOCK];
@@ -268,7 +268,7 @@ STAGE(limiting_shear, HEATED_FILM, COL_friction) {
     const limiting_params *q = (const limiting_params *)params;
     const double *u = s->rolling_speed, *half_width = s->half_width, *viscosity = s->film_viscosity;
     const double *pressure = s->pressure;
-    double newtonian[BLOCK], softening[BLOCK], strain[BLOCK], deborah[BLOCK], share[BLOCK];
+    double newtonian[BLOCK], softening[BLOCK], strain[BLOCK], deborah[BLOCK], fraction[BLOCK];
     double limit = q->limit, elastic = s->shear_modulus;
     size_t n = WHOLE(s->n);
     PATH(film_groups)(s, q->flash, newtonian, softening, strain);
@@ -277,13 +277,13 @@ STAGE(limiting_shear, HEATED_FILM, COL_friction) {
         strain[i] = PATH(at_least)(newtonian[i] / (limit * pressure[i]), NO_EFFECT);
         deborah[i] = viscosity[i] * u[i] / (elastic * half_width[i]);
     }
-    PATH(newtonian_bound)(n, softening, share);
+    PATH(newtonian_bound)(n, softening, fraction);
     EACH(i, n) {
         double plastic = 1.0 / strain[i], ramp = 1.0 / PATH(at_least)(deborah[i], NO_EFFECT);
         double least = plastic < ramp ? plastic : ramp;
-        share[i] = least < share[i] ? least : share[i];
+        fraction[i] = least < fraction[i] ? least : fraction[i];
     }
-    PATH(softened)(n, PATH(limiting_share), softening, strain, deborah, share);
-    PATH(film_friction)(s, newtonian, share);
+    PATH(softened)(n, PATH(limiting_fraction), softening, strain, deborah, fraction);
+    PATH(film_friction)(s, newtonian, fraction);
     return 0;
 }

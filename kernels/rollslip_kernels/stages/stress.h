@@ -71,25 +71,25 @@ static void PATH(muraki_parts)(size_t n, given s, given deborah, given w, given 
         double a = 1.0 + w[i], m = RS_FMA(-deborah[i], margin[i], 1.0 + a), v = m < 0.0 ? 0.0 : m;
         double c = w[i] < 1e100 ? 1.0 : 1e-200;   /* a^2 may overflow */
         double r = sqrt(RS_FMA(w[i] * c, v * c, c * c)), cool = c + r;
-        double plateau = (L[i] * c) * RS_FMA(v, c, cool), share = cool * RS_FMA(a, c, r);
+        double plateau = (L[i] * c) * RS_FMA(v, c, cool), fraction = cool * RS_FMA(a, c, r);
         over[i] = m < 0.0 ? e[i] : plateau;
-        under[i] = m < 0.0 ? 1.0 : share;
+        under[i] = m < 0.0 ? 1.0 : fraction;
     }
 }
 
 /* S of sinh(S) exp(w S) = s to 30 %, s > 0 and w >= 0 */
 static void PATH(inelastic_stress)(size_t n, given s, given w, filled stress) {
-    double softening[BLOCK], share[BLOCK];
+    double softening[BLOCK], fraction[BLOCK];
     EACH(i, n) {
         softening[i] = w[i] * s[i];
         softening[i] = softening[i] < 1e308 ? softening[i] : 1e308;
     }
-    PATH(newtonian_bound)(n, softening, share);
+    PATH(newtonian_bound)(n, softening, fraction);
     EACH(i, n) stress[i] = rs_asinh(s[i]);
     EACH(i, n) {
         double warm = stress[i] / (1.0 + w[i] * (s[i] < 1.0 ? s[i] : 1.0));
         int newtonian = w[i] >= stress[i] && softening[i] >= 0.1;   /* S << 1 in so much heat */
-        stress[i] = newtonian ? share[i] * softening[i] / w[i] : warm;
+        stress[i] = newtonian ? fraction[i] * softening[i] / w[i] : warm;
     }
 }
 
@@ -137,15 +137,15 @@ static void PATH(elastic_mean)(size_t n, given s, given kappa, given c, given p,
     };
     EACH(i, n) mean[i] = fall[i] = 0.0;
     for (int k = 0; k < 6; k++) {
-        double at = 0.5 * place[k], share = 2.0 * weight[k];
+        double at = 0.5 * place[k], doubled_weight = 2.0 * weight[k];
         EACH(i, n) {
             double root = kappa[i] * c[i], x = at * p[i], x2 = x * x;
             double th = x * (945.0 + x2 * (105.0 + x2)) / (945.0 + x2 * (420.0 + 15.0 * x2));   /* tanh x, x <= 1/8 */
             double t = th / root, under = 1.0 + kappa[i] * t, z = s[i] * t / under, z2 = z * z;
             double rate = ((1.0 - th * th) * x - th) / (root * c[i] * c[i]);   /* dt/dy */
-            mean[i] += share * z * (1.0 + z2 * (1 / 3.0 + z2 * (1 / 5.0 + z2 * (1 / 7.0 + z2 * (
+            mean[i] += doubled_weight * z * (1.0 + z2 * (1 / 3.0 + z2 * (1 / 5.0 + z2 * (1 / 7.0 + z2 * (
                 1 / 9.0 + z2 * (1 / 11.0 + z2 * (1 / 13.0 + z2 * (1 / 15.0))))))));
-            fall[i] += share * s[i] * (kappa[i] * t * t - rate) / (under * under * (1.0 - z2));
+            fall[i] += doubled_weight * s[i] * (kappa[i] * t * t - rate) / (under * under * (1.0 - z2));
         }
     }
 }

@@ -36,7 +36,7 @@ enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral
 typedef struct {
     rs_model boundary, hydrodynamic;
     int boundary_raises, hydrodynamic_raises;   /* it runs Python, and so only on slices that need it */
-    rs_evaluate share;
+    rs_evaluate fraction;
     double law[TERMS + 2];
 } blend_params;
 
@@ -46,7 +46,7 @@ typedef struct {
     X(barus) X(roelands) X(yasutomi) X(rolling_resistance) X(power_resistance) X(hysteresis) \
     X(muraki) X(maxwell_eyring) X(maxwell_eyring_local) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
-    X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
+    X(power_fraction) X(exponential_fraction) X(greenwood_tripp_fraction) X(blend)
 #define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one) \
     X(exp_normal) X(expm1_falling)
 

@@ -13,7 +13,7 @@ static void PATH(conducted)(size_t n, given square, filled value, filled rise) {
 }
 
 /* t = e G(e Na/8), e = exp(-w t) S/sinh S, S = t eta V/(tau0 h)      [Crook 1961, Johnson and Greenwood 1980] */
-static void PATH(couette_share)(
+static void PATH(couette_fraction)(
     size_t n, given t, given surfaces, given eighth, given strain, filled value, filled fall
 ) {
     double stress[BLOCK], drop[BLOCK], thinned[BLOCK], rise[BLOCK];
@@ -30,20 +30,20 @@ static void PATH(couette_share)(
 
 /* Friction of a film whose Newtonian stress over Eyring's is its own times `per_stress` */
 static void PATH(couette)(const rs_slices *s, double flash, double per_stress) {
-    double newtonian[BLOCK], surfaces[BLOCK], eighth[BLOCK], strain[BLOCK], share[BLOCK], bound[BLOCK], rise[BLOCK];
+    double newtonian[BLOCK], surfaces[BLOCK], eighth[BLOCK], strain[BLOCK], fraction[BLOCK], bound[BLOCK], rise[BLOCK];
     size_t n = WHOLE(s->n);
     PATH(film_groups)(s, flash, newtonian, surfaces, eighth);
     EACH(i, n) {
         eighth[i] /= 8.0;
         strain[i] = newtonian[i] * per_stress;
     }
-    PATH(newtonian_bound)(n, surfaces, share);
+    PATH(newtonian_bound)(n, surfaces, fraction);
     PATH(conducted)(n, eighth, bound, rise);
-    EACH(i, n) share[i] = bound[i] < share[i] ? bound[i] : share[i];
+    EACH(i, n) fraction[i] = bound[i] < fraction[i] ? bound[i] : fraction[i];
     EACH(i, n) bound[i] = rs_asinh(PATH(at_least)(strain[i], NO_EFFECT)) / PATH(at_least)(strain[i], NO_EFFECT);
-    EACH(i, n) share[i] = bound[i] < share[i] ? bound[i] : share[i];
-    PATH(softened)(n, PATH(couette_share), surfaces, eighth, strain, share);
-    PATH(film_friction)(s, newtonian, share);
+    EACH(i, n) fraction[i] = bound[i] < fraction[i] ? bound[i] : fraction[i];
+    PATH(softened)(n, PATH(couette_fraction), surfaces, eighth, strain, fraction);
+    PATH(film_friction)(s, newtonian, fraction);
 }
 
 STAGE(newtonian_thermal, HEATED_FILM, COL_friction) {
