@@ -46,9 +46,9 @@ cdef extern from *:
     static void rs_ask_for(const double *column, size_t n) {
         for (size_t i = 0; i < n; i += 8) RS_SOON(column + i);
     }
-    #define RS_LEAST offsetof(rs_slices, position)   /* of the first version */
+    #define RS_MIN_SLICES_SIZE offsetof(rs_slices, position)   /* of the first version */
     """
-    const size_t RS_LEAST
+    const size_t RS_MIN_SLICES_SIZE
     void rs_ask_for(const double *, size_t) noexcept nogil
 
 cdef enum:
@@ -57,7 +57,7 @@ cdef enum:
     BLOCK = 256          # 13 columns x 256 x 8 B = 26 KiB: one block stays in a 32 KiB L1 cache
     ABREAST = 256        # slices of rows that are evaluated side by side
     RELEASE = 4096       # slices from which on the GIL is released: who gives it up may wait 5 ms to get it back
-    ROLLSLIP_COLUMNS_MOST = 64
+    MAX_COLUMNS = 64
     LARGE = 8192         # slices from which on a table is larger than a second-level cache
     PYTHON_RAISED = -1   # the Python error is set in this thread
 
@@ -85,7 +85,7 @@ cdef struct chain_t:
     int n_columns
     check_t conditions[MAX_CHECKS]
     int n_conditions
-    size_t used[ROLLSLIP_COLUMNS_MOST]   # offsets of all columns that are read or written
+    size_t used[MAX_COLUMNS]   # offsets of all columns that are read or written
     int n_used
     rs_range ranges[MAX_CHECKS]
     int begins[MAX_STAGES + 2]   # of the ranges of the table's own columns, and of what each stage writes
@@ -540,8 +540,8 @@ def problem(capsule, bint placed=False) -> str:
     if given.size > sizeof(rs_slices):
         return (f"reads {given.size} bytes of rs_slices, this rollslip has {sizeof(rs_slices)}: "
                 "it needs a newer rollslip")
-    if given.size < RS_LEAST:
-        return (f"reads {given.size} bytes of rs_slices, which never had less than {RS_LEAST}: "
+    if given.size < RS_MIN_SLICES_SIZE:
+        return (f"reads {given.size} bytes of rs_slices, which never had less than {RS_MIN_SLICES_SIZE}: "
                 "set size to sizeof(rs_slices)")
     if placed and given.size < sizeof(rs_slices):
         return (f"reads where slices are, but knows only {given.size} bytes of rs_slices, and these stand behind them: "

@@ -44,10 +44,10 @@ cdef Py_ssize_t jacobi(
     cdef Py_ssize_t k, j, i
     cdef double *row
     cdef double *new
-    cdef double least = 0.0, norm
+    cdef double threshold = 0.0, norm
     for i in range(n):
-        least = max(least, x[i])
-    least *= ROUNDING
+        threshold = max(threshold, x[i])
+    threshold *= ROUNDING
     for k in range(count):
         row, new = basis + k * n, basis + (k + 1) * n
         for i in range(n):
@@ -59,7 +59,7 @@ cdef Py_ssize_t jacobi(
         for j in range(k + 1):
             taken(new, dot(new, basis + j * n, n), basis + j * n, n)
         norm = sqrt(dot(new, new, n))
-        if not norm > least:   # no point is left that differs
+        if not norm > threshold:   # no point is left that differs
             return k + 1
         if k + 1 < count:
             beside[k] = norm
@@ -146,11 +146,11 @@ cdef void _rule(const room_t *at, Py_ssize_t n, Py_ssize_t count, double *nodes,
         nodes[j], weights[j] = node, weight
 
 
-cdef room_t _room(double[::1] of, Py_ssize_t most, Py_ssize_t count) noexcept:
+cdef room_t _room(double[::1] of, Py_ssize_t capacity, Py_ssize_t count) noexcept:
     cdef room_t at
     at.x = &of[0]
-    at.basis = at.x + most
-    at.diagonal = at.basis + (count + 1) * most
+    at.basis = at.x + capacity
+    at.diagonal = at.basis + (count + 1) * capacity
     at.beside = at.diagonal + count
     at.first = at.beside + count
     return at
@@ -165,14 +165,14 @@ def rules(
     loads for are 0 and weigh nothing. What is equal to a row shortly before has its rule: rollers that
     rest on the outer ring are alike at each instant, and instants alternate along an orbit.
     """
-    cdef Py_ssize_t rows = begin.shape[0] - 1, k, i, n, alike, most = 0
+    cdef Py_ssize_t rows = begin.shape[0] - 1, k, i, n, alike, capacity = 0
     for k in range(rows):
-        most = max(most, begin[k + 1] - begin[k])
-    most += LANES
+        capacity = max(capacity, begin[k + 1] - begin[k])
+    capacity += LANES
     found, shares = np.zeros((rows, count)), np.zeros((rows, count))
     cdef double[:, ::1] nodes = found, weights = shares
-    cdef double[::1] own = np.empty((count + 2) * most + 3 * count)
-    cdef room_t at = _room(own, most, count)
+    cdef double[::1] own = np.empty((count + 2) * capacity + 3 * count)
+    cdef room_t at = _room(own, capacity, count)
     with nogil:
         for k in range(rows):
             n = begin[k + 1] - begin[k]
@@ -202,7 +202,7 @@ def row_rules(const double[:, ::1] load, const double[::1] width, Py_ssize_t cou
     """
     cdef Py_ssize_t rows = load.shape[0], n = load.shape[1], k, i, h = n // 2
     cdef bint even = True, mirrored, again
-    cdef double least
+    cdef double threshold
     if width.shape[0] != n:
         raise ValueError(f"{width.shape[0]} widths of {n} slices")
     found, shares = np.zeros((rows, count)), np.zeros((rows, count))
@@ -214,13 +214,13 @@ def row_rules(const double[:, ::1] load, const double[::1] width, Py_ssize_t cou
             even = even and width[i] == width[n - 1 - i]
             doubled[i] = 2.0 * width[i] if i >= h + n % 2 else width[i]
         for k in range(rows):
-            again, least = k > 0, 0.0
+            again, threshold = k > 0, 0.0
             for i in range(n):
-                least = max(least, load[k, i])
-            least *= ROUNDING
+                threshold = max(threshold, load[k, i])
+            threshold *= ROUNDING
             i = 0
             while again and i < n:
-                again, i = fabs(load[k, i] - load[k - 1, i]) <= least, i + 1
+                again, i = fabs(load[k, i] - load[k - 1, i]) <= threshold, i + 1
             if again:
                 for i in range(count):
                     nodes[k, i], weights[k, i] = nodes[k - 1, i], weights[k - 1, i]

@@ -10,7 +10,7 @@ enum { INNER, OUTER };
 enum { RS_CONSTANT, RS_EFFECTIVE, RS_CONVENTIONAL };   /* friction */
 enum { EVALUATED, RENEWED, LINEARISED };   /* friction: evaluated; and linearised; or by the last linearisation */
 enum { NOBODY, FRICTION_REFUSED, DRAG_REFUSED = 3, LEVEL_REFUSED };   /* who refused: + ring; the last and more: a level */
-enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MOST_DRAGS = 16 };   /* at most, of a roller; drags on a cage */
+enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MAX_DRAGS = 16 };   /* at most, of a roller; drags on a cage */
 #define RS_RACEWAY "rollslip.raceway"   /* name of a capsule of rs_raceway */
 #define RS_REST_SPEED 1e-3              /* u_0 [m/s] */
 #define RS_POCKET_TOUCH 0.02            /* N */
@@ -110,7 +110,7 @@ typedef struct {
     rs_linear_friction linear[2];             /* linearised friction between evaluations */
     int still;                   /* whether linearised tractions ignore the change of speeds */
     rs_pocket pocket;
-    rs_drag drags[RS_MOST_DRAGS];
+    rs_drag drags[RS_MAX_DRAGS];
     size_t n_drags;
     int in_time;                 /* whether a drag varies in time */
     size_t shares;               /* numbers of each roller behind the ledger; 0 or RS_SHARES */
@@ -215,13 +215,13 @@ RS_INLINED void rs_linear_tractions(rs_bearing *c, int ring) {
 
 /* Largest rate at which tractions damp a roller's speed and its spin: no less than the larger of the two. */
 static inline double rs_friction_damping(const rs_bearing *c) {
-    double most = 0.0;
+    double fastest = 0.0;
     for (size_t j = 0; j < c->rollers; j++) {   /* at a rim J/r^2 is m/2, and on the orbit arms are R: 4 and 2 over m */
         double inner = rs_friction_slope(&c->linear[0], c->force[0][j], j);
         double rate = 3.0 * (inner + rs_friction_slope(&c->linear[1], c->force[1][j], j)) / c->roller_mass;
-        most = rate > most ? rate : most;
+        fastest = rate > fastest ? rate : fastest;
     }
-    return most;
+    return fastest;
 }
 
 /* How far what was held, the tractions `before` [2 Z], had gone from the tractions evaluated, as a share of these. */

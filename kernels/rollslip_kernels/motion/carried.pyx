@@ -219,9 +219,9 @@ cdef int _linearised_rates(
     return _summed(p, t, y, rates)
 
 
-cdef double _flight(double t, const double *y, const double *rates, double most, void *state) noexcept nogil:
+cdef double _flight(double t, const double *y, const double *rates, double max_time, void *state) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
-    return rs_carried_free(&p.c, y, y + HEAD, rates + HEAD, rates, rs_reach(&p.c.pocket), most)
+    return rs_carried_free(&p.c, y, y + HEAD, rates + HEAD, rates, rs_reach(&p.c.pocket), max_time)
 
 
 cdef inline void _bars(carried_t *p, const double *head) noexcept nogil:

@@ -144,15 +144,15 @@ static void rs_carried_implicit(rs_bearing *c, double half, rs_given before) {
 }
 
 /* Time until a roller comes to a bar, `reach` from the middle of its pocket, at the present accelerations; at most
- * `most`, 0 where one is there. */
+ * `max_time`, 0 where one is there. */
 static double rs_carried_free(
     rs_bearing *c, const double *head, const double *rollers, const double *rates, const double *head_rates,
-    double reach, double most
+    double reach, double max_time
 ) {
     const size_t n = c->rollers;
     const double R = c->orbit_radius, wc = head[1], ac = head_rates[1];
     rs_column time = c->pull;   /* room, of no evaluation */
-    double least = most;
+    double shortest = max_time;
     int there = 0;
     for (size_t j = 0; j < n; j++) there |= !(fabs(rollers[3 * j + 2]) < reach);
     if (there) return 0.0;
@@ -164,8 +164,8 @@ static double rs_carried_free(
         double behind = aft >= 0.0 && to_aft > 0.0 ? 2.0 * (reach + x) / to_aft : 1e300;
         time[j] = ahead < behind ? ahead : behind;
     }
-    for (size_t j = 0; j < n; j++) least = time[j] < least ? time[j] : least;
-    return least;
+    for (size_t j = 0; j < n; j++) shortest = time[j] < shortest ? time[j] : shortest;
+    return shortest;
 }
 
 /* Rates of the rollers' unknowns, and what they add. */

@@ -50,7 +50,7 @@ RS_INLINED int rs_box_evaluated(
     double *traction, double *resistance, const rs_linear_friction *linear
 ) {
     const int across = 2 * t->half + 1;
-    const double most = (double)t->half, speeds = (double)(t->speeds - 1);
+    const double last_sliding = (double)t->half, speeds = (double)(t->speeds - 1);
     double of_sliding[RS_BATCH], of_root[RS_BATCH], of_speed[RS_BATCH], root[RS_BATCH];
     for (size_t start = 0; start < n; start += RS_BATCH) {
         const size_t part = n - start < RS_BATCH ? n - start : RS_BATCH;
@@ -64,12 +64,12 @@ RS_INLINED int rs_box_evaluated(
             of_speed[j] = (u[j] / (u[j] + t->speed_scale) - t->first_speed) * t->per_speed;
         }
         for (size_t j = 0; j < part; j++)
-            outside |= (!(fabs(of_sliding[j]) <= most)) | (!(of_root[j] <= t->last_root))
+            outside |= (!(fabs(of_sliding[j]) <= last_sliding)) | (!(of_root[j] <= t->last_root))
                 | (!(of_speed[j] >= 0.0)) | (!(of_speed[j] <= speeds));
         if (outside) return 1;
         for (size_t j = 0; j < part; j++) {
-            double wv[4], wr[4], wu[4], x = of_sliding[j] + most, y = of_root[j] > 0.0 ? of_root[j] : 0.0;
-            int low = x >= most ? t->half : 0, v = (int)x - 1, r = (int)y - 1, s = (int)of_speed[j] - 1;
+            double wv[4], wr[4], wu[4], x = of_sliding[j] + last_sliding, y = of_root[j] > 0.0 ? of_root[j] : 0.0;
+            int low = x >= last_sliding ? t->half : 0, v = (int)x - 1, r = (int)y - 1, s = (int)of_speed[j] - 1;
             v = v < low ? low : v > low + t->half - 3 ? low + t->half - 3 : v;
             r = r < 0 ? 0 : r > t->roots - 4 ? t->roots - 4 : r;
             s = s < 0 ? 0 : s > t->speeds - 4 ? t->speeds - 4 : s;

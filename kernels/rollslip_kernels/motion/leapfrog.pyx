@@ -473,14 +473,14 @@ cdef class Leapfrog(Stepper):
 
     cdef double _scale(self, double *x) noexcept nogil:
         """Divide head and rollers by their largest magnitude, which is returned."""
-        cdef double most = 0.0
+        cdef double largest = 0.0
         cdef size_t i
         for i in range(self.c.head + self.c.rollers * self.c.block):
-            most = fmax(most, fabs(x[i]) / self.c.scale[i])
-        if most > 0.0:
+            largest = fmax(largest, fabs(x[i]) / self.c.scale[i])
+        if largest > 0.0:
             for i in range(self.n):
-                x[i] /= most
-        return most
+                x[i] /= largest
+        return largest
 
     cdef void _by_speeds(self, const double *x, double *y) noexcept nogil:
         """Rates y of speeds due to speeds x of head and rollers: the Jacobian times x, of speeds alone."""

@@ -925,7 +925,7 @@ cdef class Planar:
         """Lay out shapes and forms of the rings: their arrays, indices in the head, and waves over the rollers."""
         cdef planar_t *p = &self.p
         cdef rs_bent_ring *bent
-        cdef size_t ring, m, waves, shapes = 0, most = 0
+        cdef size_t ring, m, waves, shapes = 0, max_order = 0
         cdef double[::1] numbers, form
         cdef double *room
         self.ring_arrays, p.head_size = [], HEAD
@@ -947,7 +947,7 @@ cdef class Planar:
             bent.at = HEAD + shapes
             shapes += m
             if m:
-                most = max(most, bent.max_order)
+                max_order = max(max_order, bent.max_order)
             if coefficients is not None:
                 values = np.array(coefficients, dtype=float, order="C")
                 if values.ndim != 2 or values.shape[1] != 4:
@@ -959,15 +959,15 @@ cdef class Planar:
             p.c.bent = p.c.bent or m > 0 or bent.cells > 0
         for ring in range(2):
             p.c.ring[ring].speeds = p.c.ring[ring].at + shapes
-        p.head_size, p.c.max_order = HEAD + 2 * shapes, most
+        p.head_size, p.c.max_order = HEAD + 2 * shapes, max_order
         for ring, (_, _, turns) in enumerate(rings):
             if turns:   # kicked, as its rate may follow time
                 p.c.ring[ring].angle = p.head_size
                 p.head_size += 1
-        numbers = np.zeros(2 * most * Z + shapes)
+        numbers = np.zeros(2 * max_order * Z + shapes)
         self.ring_arrays.append(numbers)
         room = &numbers[0] if numbers.shape[0] else NULL
-        p.c.wave_cos, p.c.wave_sin, p.shape_forces = room, room + most * Z, room + 2 * most * Z
+        p.c.wave_cos, p.c.wave_sin, p.shape_forces = room, room + max_order * Z, room + 2 * max_order * Z
 
     def system(self, double swing_frequency=0.0):
         """Return the capsule "rollslip.system.v1"; with a frequency of rollers between rings [rad/s], if known."""

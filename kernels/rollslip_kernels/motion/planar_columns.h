@@ -142,30 +142,30 @@ static double rs_plane_deepest(
     rs_bearing *p, const rs_plane_loops *loops, const double *head, const double *rollers
 ) {
     const double x = head[RING_X], y = head[RING_Y], per_orbit = 1.0 / p->orbit_radius;
-    const double least = p->half_clearance + p->lowest_drop;
+    const double play = p->half_clearance + p->lowest_drop;
     const double *last = rollers + p->deepest * BLOCK;
     const double angle = head[CAGE_ANGLE] + p->pitch * (double)p->deepest + last[POSITION] * per_orbit;
     rs_column small = p->small, c = p->cosine, s = p->sine;
-    double most = x * cos(angle) + y * sin(angle) - last[RADIAL] - least;
+    double deepest = x * cos(angle) + y * sin(angle) - last[RADIAL] - play;
     if (p->bent) {   /* of all rollers */
         loops->places(p, head, rollers);
         loops->bent(p, head);
-        most = -1e308;
-        for (size_t j = 0; j < p->rollers; j++) most = p->gap[0][j] > most ? p->gap[0][j] : most;
-        return most - p->lowest_drop;
+        deepest = -1e308;
+        for (size_t j = 0; j < p->rollers; j++) deepest = p->gap[0][j] > deepest ? p->gap[0][j] : deepest;
+        return deepest - p->lowest_drop;
     }
-    if (most > 0.0) return most;
-    most = -1e308;
+    if (deepest > 0.0) return deepest;
+    deepest = -1e308;
     for (size_t j = 0; j < p->rollers; j++) small[j] = rollers[j * BLOCK + POSITION] * per_orbit;
     rs_angles(p->rollers, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), p->pitch_cos, p->pitch_sin, small, c, s);
     for (size_t j = 0; j < p->rollers; j++) {
-        double gap = x * c[j] + y * s[j] - rollers[j * BLOCK + RADIAL] - least;
-        if (gap > most) {
-            most = gap;
+        double gap = x * c[j] + y * s[j] - rollers[j * BLOCK + RADIAL] - play;
+        if (gap > deepest) {
+            deepest = gap;
             p->deepest = j;
         }
     }
-    return most;
+    return deepest;
 }
 
 #endif

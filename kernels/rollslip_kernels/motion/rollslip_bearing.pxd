@@ -135,11 +135,11 @@ cdef inline double rs_slip_above(const rs_bearing *c, double cage_speed) noexcep
 
 cdef inline double rs_film_above(const rs_bearing *c) noexcept nogil:
     """Smallest film parameter as last evaluated less its limit; speeds of sliding are overwritten."""
-    cdef double least = 1e308
+    cdef double thinnest = 1e308
     cdef int ring
     for ring in range(2):
-        least = rs_thinnest(&c.raceway[ring], least, c.sliding[ring])
-    return least - c.film_limit
+        thinnest = rs_thinnest(&c.raceway[ring], thinnest, c.sliding[ring])
+    return thinnest - c.film_limit
 
 
 cdef inline void rs_shares(const rs_bearing *c, int lost_inner, size_t j, double *rates) noexcept nogil:
@@ -189,8 +189,8 @@ cdef inline int rs_set_common(
     cdef size_t k
     for k in range(2):
         c.raceway[k] = (<rs_raceway *>PyCapsule_GetPointer(raceways[k], RS_RACEWAY))[0]
-    if len(drags) > RS_MOST_DRAGS:
-        raise ValueError(f"at most {RS_MOST_DRAGS} drags act on a cage, got {len(drags)}")
+    if len(drags) > RS_MAX_DRAGS:
+        raise ValueError(f"at most {RS_MAX_DRAGS} drags act on a cage, got {len(drags)}")
     c.n_drags, c.in_time = len(drags), False
     for k in range(c.n_drags):
         c.drags[k] = rs_drag_of(drags[k])

@@ -169,21 +169,21 @@ cdef inline int rs_raceway_friction(
 cdef inline void rs_film_parameter(const rs_raceway *w, double *smallest) noexcept nogil:
     """Smallest film parameter h/sigma of every roller as last evaluated, NaN without load or without a film."""
     cdef size_t i, j
-    cdef double least
+    cdef double thinnest
     for j in range(w.rollers):
         smallest[j] = NAN
         if w.friction == RS_CONVENTIONAL and w.first[j] < w.first[j + 1]:
-            least = w.gathered.film_thickness[w.first[j]]
+            thinnest = w.gathered.film_thickness[w.first[j]]
             for i in range(w.first[j] + 1, w.first[j + 1]):
-                least = min(least, w.gathered.film_thickness[i])
-            smallest[j] = least / w.gathered.roughness
+                thinnest = min(thinnest, w.gathered.film_thickness[i])
+            smallest[j] = thinnest / w.gathered.roughness
 
 
-cdef inline double rs_thinnest(const rs_raceway *w, double least, double *room) noexcept nogil:
+cdef inline double rs_thinnest(const rs_raceway *w, double thinnest, double *room) noexcept nogil:
     """The smallest film parameter as last evaluated, where it is below ``least``; ``room`` [Z] is overwritten."""
     cdef size_t j
     rs_film_parameter(w, room)
     for j in range(w.rollers):
-        if room[j] < least:
-            least = room[j]
-    return least
+        if room[j] < thinnest:
+            thinnest = room[j]
+    return thinnest

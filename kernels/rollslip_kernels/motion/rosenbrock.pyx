@@ -626,7 +626,7 @@ cdef class Stepper:
         Regula falsi with Illinois weights, and a bisection every third time.
         """
         cdef double at_low = 0.0, at_high = self.watched[i], s
-        cdef double least = fmax(2.0 * self._spacing() / fabs(self.taken), 2.0 ** -52)
+        cdef double min_width = fmax(2.0 * self._spacing() / fabs(self.taken), 2.0 ** -52)
         cdef int status, turn = 0, kept = 0
         if low == 0.0:
             memcpy(self.u, self.y_old, self.n * sizeof(double))
@@ -634,12 +634,12 @@ cdef class Stepper:
         else:
             status = self._watch_at(low)
         at_low = self.watched[i]
-        while status == 0 and high[0] - low > least:
+        while status == 0 and high[0] - low > min_width:
             turn += 1
             s = 0.5 * (low + high[0])
             if turn % 3 and at_low * at_high < 0.0:
                 s = (low * at_high - high[0] * at_low) / (at_high - at_low)
-                s = fmin(fmax(s, low + 0.5 * least), high[0] - 0.5 * least)
+                s = fmin(fmax(s, low + 0.5 * min_width), high[0] - 0.5 * min_width)
             status = self._watch_at(s)
             if status == 0 and self._flipped(i):
                 high[0], at_high = s, self.watched[i]
@@ -659,7 +659,7 @@ cdef class Rosenbrock(Stepper):
 
     cdef int _derive(self, double stop) noexcept nogil:
         """Derivatives at (t, y), where the rates are known."""
-        cdef double room = fmin(self.h, fabs(stop - self.t)), least = 4.0 * self._spacing(), width
+        cdef double room = fmin(self.h, fabs(stop - self.t)), min_width = 4.0 * self._spacing(), width
         cdef size_t i
         cdef int status
         self.jacobians += 1
@@ -679,11 +679,11 @@ cdef class Rosenbrock(Stepper):
             return RS_NOT_FINITE
         if self.c.autonomous:
             return 0
-        if room < 2.0 * least:
+        if room < 2.0 * min_width:
             memset(self.by_time, 0, self.n * sizeof(double))
             return 0
         # the step lies ahead: behind it and beyond the stop nothing need be defined
-        width = fmax(room * (RS_CENTRAL if self.central else RS_FORWARD), least)
+        width = fmax(room * (RS_CENTRAL if self.central else RS_FORWARD), min_width)
         width = (self.t + self.direction * width) - self.t
         status = self._rates(self.t + width, self.y_now, self.by_time)
         if status == 0 and self.central:

@@ -66,8 +66,8 @@ typedef struct {
     int (*linearised_rates)(double t, const double *y, double half, const double *before, double *rates, void *state);
     /* while not 0, rates and their parts leave friction as it was linearised: what is damped without it */
     int *still;
-    /* time in which no contact closes if the rates stay as they are, at most `most`; NULL: not known */
-    double (*flight)(double t, const double *y, const double *rates, double most, void *speeds_state);
+    /* time in which no contact closes if the rates stay as they are, at most `max_time`; NULL: not known */
+    double (*flight)(double t, const double *y, const double *rates, double max_time, void *speeds_state);
     /* Contacts that close and open, apart from all other forces, so that substeps resolve their oscillations;
        NULL: not separated.
        While *apart is not 0, linearised_rates leaves contacts out. go drifts by h from t on, and in parts of h adds to

@@ -21,7 +21,7 @@ RS_INLINE double PATH(within_one)(double x) {
 
 /* p = r p_Hertz, b = b_Hertz/r, r = [1 + (M/2)^(-1/i)]^(-i) up to the last L of the fit, r = min(q M/2, 1) from the
  * first of the table on, with log2(q) linear in log2(M/2) and L; between the two log2(r) is linear in L;
- * b = b_Hertz/r min(1, w h/(6 eta0 u R))^(3/4), at least b_Hertz */
+ * b = b_Hertz/r min(1, w h/(6 eta0 u R))^(3/4), at L_min b_Hertz */
 STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half_width | COL_pressure) {
     const light_params *q = (const light_params *)params;
     const double *load = s->load, *speed = s->rolling_speed, *film = s->film_thickness;
@@ -30,7 +30,7 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
     double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
     double Er = s->modulus * s->radius, per_speed = 2.0 * s->viscosity / Er, G = s->pressure_viscosity * s->modulus;
     double flooded = 1.0 / (6.0 * s->viscosity * s->radius);   /* w h/u of a rigid contact full of oil, its inverse */
-    double last = q->last, p0 = q->power[0], p1 = q->power[1], p2 = q->power[2], most = 0.0, least = LARGEST;
+    double last = q->last, p0 = q->power[0], p1 = q->power[1], p2 = q->power[2], L_max = 0.0, L_min = LARGEST;
     size_t n = WHOLE(s->n);
     uint64_t speeds = 0;
     for (size_t i = 0; i < n; i++) speeds |= rs_bits(speed[i]) ^ rs_bits(speed[0]);
@@ -52,15 +52,15 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
     }
     EACH(i, n) {
         double M = load[i] * per_load_parameter[i], k;   /* M/2 */
-        double low = rs_log2_parts(M > LEAST_LOAD ? M < 1.0 / LEAST_LOAD ? M : 1.0 / LEAST_LOAD : LEAST_LOAD, &k);
+        double low = rs_log2_parts(M > MIN_LOAD ? M < 1.0 / MIN_LOAD ? M : 1.0 / MIN_LOAD : MIN_LOAD, &k);
         l[i] = k + low;
     }
     EACH(i, n) {
         double smaller = rs_exp2_falling(-fabs(l[i]) * inverse[i]);
         pressure[i] = (l[i] < 0.0 ? l[i] : 0.0) - power[i] * rs_log2_plus_one(smaller);
     }
-    for (size_t i = 0; i < n; i++) most = most > L[i] ? most : L[i], least = least < L[i] ? least : L[i];
-    if (most > last) {
+    for (size_t i = 0; i < n; i++) L_max = L_max > L[i] ? L_max : L[i], L_min = L_min < L[i] ? L_min : L[i];
+    if (L_max > last) {
         double per_blend = 1.0 / (q->columns[0] - last);
         EACH(i, n) half_width[i] = l[i];
         for (int k = 0; k < LIGHT_LOADS - 1; k++) {
@@ -69,10 +69,10 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
                 part[i] = PATH(within_one)((l[i] - low) * per);
                 half_width[i] += step * part[i];
             }
-            for (int j = 0; j < LIGHT_COLUMNS - 1 && q->columns[j] < most; j++) {
+            for (int j = 0; j < LIGHT_COLUMNS - 1 && q->columns[j] < L_max; j++) {
                 double from = q->columns[j], to = q->columns[j + 1], over = 1.0 / (to - from);
                 double more = q->rise[j + 1][k + 1] - q->rise[j + 1][k] - (q->rise[j][k + 1] - q->rise[j][k]);
-                if (least >= to)
+                if (L_min >= to)
                     EACH(i, n) half_width[i] += more * part[i];
                 else
                     EACH(i, n) half_width[i] += more * PATH(within_one)((L[i] - from) * over) * part[i];
@@ -118,7 +118,7 @@ STAGE(lundberg_deflection, COL_approach, COL_load | COL_stiffness) {
     double *load = s->load, *stiffness = s->stiffness;
     double c = 4.0 / (RS_PI * s->modulus);
     double k = 0.5 + rs_log(2.0 * s->length) - 0.5 * rs_log(8.0 * s->radius / (RS_PI * s->modulus));
-    double least = 0.5 + 0.5 * RS_LN2, a[BLOCK], g[BLOCK], left[BLOCK];
+    double a_min = 0.5 + 0.5 * RS_LN2, a[BLOCK], g[BLOCK], left[BLOCK];
     uint64_t wide = 0, moving = 1;
     size_t n = WHOLE(s->n);
     (void)params;
@@ -127,10 +127,10 @@ STAGE(lundberg_deflection, COL_approach, COL_load | COL_stiffness) {
         g[i] = 1.25 * a[i] > 1.0 ? 1.25 * a[i] : 1.0;
         left[i] = 1.0;
     }
-    for (size_t i = 0; i < n; i++) wide |= (uint64_t)(a[i] < least);
+    for (size_t i = 0; i < n; i++) wide |= (uint64_t)(a[i] < a_min);
     if (wide)
         for (size_t i = 0; i < n; i++)
-            if (a[i] < least) return (int)i + 1;
+            if (a[i] < a_min) return (int)i + 1;
     for (int step = 0; step < 60 && moving; step++) {
         EACH(i, n) {
             double change = (g[i] - a[i] - 0.5 * rs_log(g[i])) / (1.0 - 0.5 / g[i]);

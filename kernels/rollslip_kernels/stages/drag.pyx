@@ -18,12 +18,12 @@ from rollslip_stage cimport rs_cut, rs_new_model
 cdef extern from *:
     """
     #include <stddef.h>
-    #define RS_LEAST_DRAG offsetof(rs_drag, torque_at)   /* what every provider has */
+    #define RS_MIN_DRAG_SIZE offsetof(rs_drag, torque_at)   /* what every provider has */
     """
-    const size_t RS_LEAST_DRAG
+    const size_t RS_MIN_DRAG_SIZE
 
 cdef enum:
-    MOST = 8
+    MAX_TERMS = 8
     BLOCK = 256
     NO_SUCH_STATUS = -2   # a stage returned more than its number of slices; the chain says so
 
@@ -36,8 +36,8 @@ def problem(capsule) -> str:
     given = <const rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG)
     if given.abi != ROLLSLIP_ABI:
         return f"was built for ABI {given.abi} of rollslip.h, this is {ROLLSLIP_ABI}: rebuild it against this version"
-    if given.size < RS_LEAST_DRAG:
-        return f"has {given.size} bytes of rs_drag, this rollslip reads {RS_LEAST_DRAG}: rebuild it"
+    if given.size < RS_MIN_DRAG_SIZE:
+        return f"has {given.size} bytes of rs_drag, this rollslip reads {RS_MIN_DRAG_SIZE}: rebuild it"
     if given.torque == NULL:
         return "gave a table whose torque is NULL"
     return ""
@@ -149,7 +149,7 @@ def python_drag(torque: Callable[..., float], bint in_time=False):
 
 cdef struct stages_t:
     int n
-    rs_model terms[MOST]
+    rs_model terms[MAX_TERMS]
 
 
 cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogil:
@@ -203,8 +203,8 @@ def total_resistance(capsules: Iterable[object]):
     """Return the stage that adds what other stages, at most eight, put into the column of the resistance."""
     cdef stages_t q
     capsules = tuple(capsules)
-    if len(capsules) > MOST:
-        raise ValueError(f"at most {MOST} can be added, got {len(capsules)}")
+    if len(capsules) > MAX_TERMS:
+        raise ValueError(f"at most {MAX_TERMS} can be added, got {len(capsules)}")
     q.n = len(capsules)
     for k, capsule in enumerate(capsules):
         q.terms[k] = (<const rs_model *>PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL))[0]

@@ -36,7 +36,7 @@ static void PATH(film_friction)(const rs_slices *s, given newtonian, given fract
     EACH(i, n) friction[i] = copysign(newtonian[i] / pressure[i] * fraction[i], sliding[i]);
 }
 
-RS_INLINE double PATH(at_least)(double x, double least) { return x < least ? least : x; }   /* a NaN stays */
+RS_INLINE double PATH(at_least)(double x, double bound) { return x < bound ? bound : x; }   /* a NaN stays */
 
 /* sqrt(1 + x^2), whose square may overflow */
 RS_INLINE double PATH(hypot_one)(double x) {

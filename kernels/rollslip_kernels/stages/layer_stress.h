@@ -9,8 +9,8 @@
  * - A start by two steps in single precision, good to 1e-5, then one Halley step in ln Z.
  * - Without elasticity, D = 0, S is Z, and what concerns the layer is left out: `elastic` is a constant where inlined.
  * - The coefficients and their errors come from tools/references/layer_stress.py. */
-#ifndef LEAST_LAYERS
-#define LEAST_LAYERS 40.0
+#ifndef MIN_LAYERS
+#define MIN_LAYERS 40.0
 #define LAYER_STEP 4e-5   /* of the start: the third power of a larger one would show */
 /* Where the start in single precision serves: sigma, D and Phi sigma over sigma up to these */
 #define LAYER_SIGMA 1e8

@@ -335,9 +335,9 @@ STAGE(maxwell_eyring_local, LOCAL_READS, COL_friction) {
     if (status) return status;
     EACH(i, n) {
         double u = rolling[i], h = film[i], b = width[i], p = pressure[i];
-        double V = fabs(sliding[i]), least = LOCAL_LINEAR * u;
+        double V = fabs(sliding[i]), V_min = LOCAL_LINEAR * u;
         double stress = tau0 + q->rise.stress * p, stiff = modulus + q->rise.modulus * p;
-        V = V < least ? least : V;   /* a NaN stays */
+        V = V < V_min ? V_min : V;   /* a NaN stays */
         double inverse = 1.0 / (u * h * b * stress), per_width = inverse * (u * h * stress);
         double C = capacity * (h * h * u) * per_width, carried = LOCAL_CARRIED * C, unreached = LOCAL_UNREACHED * C;
         rate[i] = 2.0 * V * (u * b * inverse);
@@ -357,9 +357,9 @@ STAGE(maxwell_eyring_local, LOCAL_READS, COL_friction) {
     for (size_t i = 0; i < n; i++) far |= (uint64_t)!(moved[i] < LOCAL_FAR);
     if (far) PATH(local_again)(n, &groups, S, moved);
     EACH(i, n) {
-        double V = fabs(sliding[i]), least = LOCAL_LINEAR * rolling[i];
+        double V = fabs(sliding[i]), V_min = LOCAL_LINEAR * rolling[i];
         double factor = (tau0 + q->rise.stress * pressure[i]) / pressure[i];
-        friction[i] = copysign(factor * S[i] * (V < least ? V / least : 1.0), sliding[i]);
+        friction[i] = copysign(factor * S[i] * (V < V_min ? V / V_min : 1.0), sliding[i]);
     }
     return 0;
 }

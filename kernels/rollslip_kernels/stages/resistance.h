@@ -56,7 +56,7 @@ STAGE(rolling_resistance, COL_load | COL_rolling_speed, COL_resistance) {
     if (q->heated) PATH(heat_inlets)(m, s, ku, lu, factor);
     for (int k = 0; k < 4 && m < n; k++)
         EACH(i, n) by_speed[k][i] = by_speed[k][i % LANES];
-    EACH(i, n) M[i] = rs_clamped(load[i] * per_load[i], LEAST_LOAD, 1.0 / LEAST_LOAD);
+    EACH(i, n) M[i] = rs_clamped(load[i] * per_load[i], MIN_LOAD, 1.0 / MIN_LOAD);
     EACH(i, n) inlet[i] = to_exponent * q->inverse_reach;
     if (q->layer > 0.0)   /* 1/k of the layer, where that is more */
         EACH(i, n) {

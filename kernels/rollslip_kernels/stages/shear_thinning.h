@@ -280,8 +280,8 @@ STAGE(limiting_shear, HEATED_FILM, COL_friction) {
     PATH(newtonian_bound)(n, softening, fraction);
     EACH(i, n) {
         double plastic = 1.0 / strain[i], ramp = 1.0 / PATH(at_least)(deborah[i], NO_EFFECT);
-        double least = plastic < ramp ? plastic : ramp;
-        fraction[i] = least < fraction[i] ? least : fraction[i];
+        double limiting = plastic < ramp ? plastic : ramp;
+        fraction[i] = limiting < fraction[i] ? limiting : fraction[i];
     }
     PATH(softened)(n, PATH(limiting_fraction), softening, strain, deborah, fraction);
     PATH(film_friction)(s, newtonian, fraction);

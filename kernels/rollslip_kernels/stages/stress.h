@@ -306,10 +306,10 @@ RS_INLINE void PATH(layered)(
     n = WHOLE(n);
     EACH(i, n) {
         double x = sigma[i] < LAYER_LINEAR ? LAYER_LINEAR : sigma[i];
-        double layer = elastic ? 0.5 * LEAST_LAYERS * deborah[i] : 0.0;
-        double most = layer <= (x > 1.0 ? x : 1.0) && layer <= 0.5 * LEAST_LAYERS * LAYER_DEBORAH ? LAYER_HEATING : -1.0;
+        double layer = elastic ? 0.5 * MIN_LAYERS * deborah[i] : 0.0;
+        double max_heating = layer <= (x > 1.0 ? x : 1.0) && layer <= 0.5 * MIN_LAYERS * LAYER_DEBORAH ? LAYER_HEATING : -1.0;
         s[i] = x;
-        outside[i] = x <= LAYER_SIGMA && w[i] <= most * x ? 0.0 : 1.0;
+        outside[i] = x <= LAYER_SIGMA && w[i] <= max_heating * x ? 0.0 : 1.0;
     }
     for (size_t i = 0; i < n; i++) all &= rs_bits(outside[i]);
     if (all == 0) {

@@ -7,7 +7,7 @@
 typedef struct { double c, u, g, w; } power_law;
 typedef struct { power_law ri, rp, ei, ep; } regime_laws;
 enum { LIGHT_LOADS = 10, LIGHT_COLUMNS = 5 };
-#define LEAST_LOAD 1e-250   /* of M, and its inverse the largest, that no logarithm is infinite */
+#define MIN_LOAD 1e-250   /* of M, and its inverse the largest, that no logarithm is infinite */
 /* i = power[0] + power[1] L + power[2] L^2 up to L = last; log2 of 2 r/M at knots log2(M/2) and columns L */
 typedef struct {
     double power[3], last, knots[LIGHT_LOADS], columns[LIGHT_COLUMNS], rise[LIGHT_COLUMNS][LIGHT_LOADS];
