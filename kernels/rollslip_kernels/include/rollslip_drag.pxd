@@ -7,8 +7,8 @@ from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_DRAG, rs_drag, rs_torque, rs_to
 from rollslip_stage cimport rs_new_capsule
 
 
-cdef inline object rs_new_drag(rs_torque torque, const void *params, size_t size, object keep, rs_torque_at at=NULL):
-    """Capsule, in one allocation, of ``torque`` with its own copy of ``params``; ``keep`` (or None) lives with it.
+cdef inline object rs_new_drag(rs_torque torque, const void *params, size_t size, object owner, rs_torque_at at=NULL):
+    """Capsule, in one allocation, of ``torque`` with its own copy of ``params``; ``owner`` (or None) lives with it.
 
     ``at`` is given where the torque varies in time.
     """
@@ -18,7 +18,7 @@ cdef inline object rs_new_drag(rs_torque torque, const void *params, size_t size
     if size:
         memcpy(made + 1, params, size)
     made[0] = rs_drag(ROLLSLIP_ABI, sizeof(rs_drag), torque, <const void *>(made + 1), at)
-    return rs_new_capsule(made, ROLLSLIP_DRAG, keep)
+    return rs_new_capsule(made, ROLLSLIP_DRAG, owner)
 
 
 cdef inline rs_drag rs_drag_of(object capsule):

@@ -15,30 +15,30 @@ cdef extern from "Python.h":
     void *rs_capsule_pointer "PyCapsule_GetPointer"(object, const char *) noexcept
 
 
-cdef inline object rs_new_capsule(void *made, const char *name, object keep):
-    """Capsule of what malloc gave; ``keep`` (or None) lives with it."""
+cdef inline object rs_new_capsule(void *made, const char *name, object owner):
+    """Capsule of what malloc gave; ``owner`` (or None) lives with it."""
     capsule = PyCapsule_New(made, name, rs_free_capsule)
-    if keep is not None:
-        Py_INCREF(keep)
-        PyCapsule_SetContext(capsule, <void *>keep)
+    if owner is not None:
+        Py_INCREF(owner)
+        PyCapsule_SetContext(capsule, <void *>owner)
     return capsule
 
 
 cdef inline void rs_free_capsule(object capsule) noexcept:
-    cdef PyObject *keep = <PyObject *>rs_capsule_context(capsule)
+    cdef PyObject *owner = <PyObject *>rs_capsule_context(capsule)
     free(rs_capsule_pointer(capsule, rs_capsule_name(capsule)))
-    Py_XDECREF(keep)
+    Py_XDECREF(owner)
 
 
-cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object keep):
-    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``keep`` (or None) lives with it."""
+cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object owner):
+    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``owner`` (or None) lives with it."""
     cdef rs_model *made = <rs_model *>malloc(sizeof(rs_model) + size)
     if made == NULL:
         raise MemoryError
     if size:
         memcpy(made + 1, params, size)
     made[0] = rs_model(ROLLSLIP_ABI, sizeof(rs_slices), evaluate, <const void *>(made + 1))
-    return rs_new_capsule(made, ROLLSLIP_MODEL, keep)
+    return rs_new_capsule(made, ROLLSLIP_MODEL, owner)
 
 
 cdef inline rs_slices rs_cut(const rs_slices *whole, size_t start, size_t n) noexcept nogil:

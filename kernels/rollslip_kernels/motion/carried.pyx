@@ -431,7 +431,7 @@ cdef class Carried:
     """
 
     cdef carried_t p
-    cdef tuple kept
+    cdef tuple references
     cdef list tables
     cdef object cell
     cdef double[::1] scale, kicked, widths, memory
@@ -481,7 +481,7 @@ cdef class Carried:
         self.kicked[0] = 0.0
         if p.c.pocketed:
             self.kicked[HEAD + PLACE:HEAD + BLOCK * Z:BLOCK] = 0.0
-        self.kept = (inner, outer), tuple(drags), last, cells
+        self.references = (inner, outer), tuple(drags), last, cells
 
     cdef _more(self, double pull):
         """Take the cell that holds a centrifugal force from the owner of the loads."""
@@ -542,7 +542,7 @@ cdef class Carried:
         """
         if self.p.c.refused == LOADS_REFUSED:
             return "loads", self.p.refused_roller
-        return rs_refusal(&self.p.c, self.kept[0])
+        return rs_refusal(&self.p.c, self.references[0])
 
     def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.

@@ -828,7 +828,7 @@ cdef class Planar:
     cdef double[::1] scale, drop, widths, memory, kicked
     cdef size_t[::1] indices       # first slices of both rings, then touching rollers
     cdef int[::1] may_touch
-    cdef tuple kept, deflections, forces, resistances
+    cdef tuple references, deflections, forces, resistances
     cdef list ring_arrays         # keeps what pointers of rings point to
 
     def __init__(
@@ -896,7 +896,7 @@ cdef class Planar:
         self._set_rings(rings or (), Z)
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
-        self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
+        self.references = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
         self.memory = np.zeros(rs_memory_of(&p.c))
         rs_place_columns(&p.c, &self.memory[0])
         self.indices = np.zeros(2 * (Z + 1) + Z, dtype=np.uintp)
@@ -1013,8 +1013,8 @@ cdef class Planar:
             return body, (self.p.displacement, MAX_DISPLACEMENT * self.p.c.roller_radius)
         if who >= DEFLECTION_REFUSED:
             ring = who - DEFLECTION_REFUSED
-            return ("inner deflection", "outer deflection")[ring], self.deflections[ring].refusal(self.kept[1][ring])
-        return rs_refusal(&self.p.c, self.kept[0])
+            return ("inner deflection", "outer deflection")[ring], self.deflections[ring].refusal(self.references[1][ring])
+        return rs_refusal(&self.p.c, self.references[0])
 
     def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.

@@ -130,8 +130,8 @@ def table_friction(raceway, force: ArrayLike, sliding: ArrayLike, rolling: Array
 def refusal(raceway) -> Refusal | None:
     """Return what the chain of a raceway refused last, as ``Chain.run`` does, or None."""
     PyCapsule_GetPointer(raceway, RS_RACEWAY)
-    kept = <object>rs_capsule_context(raceway)
-    return kept[0].refusal(kept[1]) if len(kept) > 1 else None
+    owner = <object>rs_capsule_context(raceway)
+    return owner[0].refusal(owner[1]) if len(owner) > 1 else None
 
 
 def friction(
@@ -168,10 +168,10 @@ cdef rs_raceway _raceway(int friction, Py_ssize_t rollers, Py_ssize_t slices) ex
     return w
 
 
-cdef object _new(const rs_raceway *w, tuple keep):
+cdef object _new(const rs_raceway *w, tuple owner):
     """Capsule with its own copy of the struct, that keeps what it points at."""
     cdef rs_raceway *made = <rs_raceway *>malloc(sizeof(rs_raceway))
     if made == NULL:
         raise MemoryError
     made[0] = w[0]
-    return rs_new_capsule(made, RS_RACEWAY, keep)
+    return rs_new_capsule(made, RS_RACEWAY, owner)

@@ -627,7 +627,7 @@ cdef class Stepper:
         """
         cdef double at_low = 0.0, at_high = self.watched[i], s
         cdef double min_width = fmax(2.0 * self._spacing() / fabs(self.taken), 2.0 ** -52)
-        cdef int status, turn = 0, kept = 0
+        cdef int status, turn = 0, last_side = 0
         if low == 0.0:
             memcpy(self.u, self.y_old, self.n * sizeof(double))
             status = self.c.watch(self.t_old, self.u, self.watched, self.c.state)
@@ -643,12 +643,12 @@ cdef class Stepper:
             status = self._watch_at(s)
             if status == 0 and self._flipped(i):
                 high[0], at_high = s, self.watched[i]
-                at_low *= 0.5 if kept < 0 else 1.0
-                kept = -1
+                at_low *= 0.5 if last_side < 0 else 1.0
+                last_side = -1
             else:
                 low, at_low = s, self.watched[i]
-                at_high *= 0.5 if kept > 0 else 1.0
-                kept = 1
+                at_high *= 0.5 if last_side > 0 else 1.0
+                last_side = 1
         if status == 0:
             status = self._watch_at(high[0])
         return status

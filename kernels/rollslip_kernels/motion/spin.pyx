@@ -252,7 +252,7 @@ cdef class Spin:
     cdef double largest_traction  # of the last evaluation [N]
     cdef bint calls_python        # for forces
     cdef object python_forces     # that function, or None
-    cdef object kept_alive        # arrays whose memory is used
+    cdef object references        # arrays whose memory is used
     cdef double[:, ::1] memory    # rows of working memory, (N_FORCE_ROWS + N_SCRATCH, K)
     cdef Py_ssize_t[::1] active   # positions to be evaluated
     cdef Py_ssize_t[::1] slot     # of each, where its slip and its torques stand
@@ -273,10 +273,10 @@ cdef class Spin:
         self.memory = np.zeros((N_FORCE_ROWS + N_SCRATCH, rollers))
         self.active = np.empty(rollers, dtype=np.intp)
         self.slot = np.empty(rollers, dtype=np.intp)
-        self.kept_alive = []
+        self.references = []
         if brakes is not None:
             self._check_size(brakes)
-            self.kept_alive.append(brakes)
+            self.references.append(brakes)
             self.brakes = &brakes[0]
         if ribs is not None:
             self._take_ribs(*ribs)
@@ -307,7 +307,7 @@ cdef class Spin:
             fits = fits and 0 <= first[k] <= tables.shape[2] - 4
         if not fits:
             raise ValueError(f"tables (2, rows, m, n, 2), loads and leads at {self.rollers} positions are expected")
-        self.kept_alive.append((tables, first, weights, leads))
+        self.references.append((tables, first, weights, leads))
         self.ribs.tables = &tables[0, 0, 0, 0, 0]
         self.rib_first = &first[0]
         self.rib_weights = &weights[0, 0]
@@ -340,7 +340,7 @@ cdef class Spin:
         cdef ring_t *ring = &self.rings[which]
         if nodes.shape[0] < 2 or nodes.shape[1] != 2 or not force.shape[0] == resistance.shape[0] == self.rollers:
             raise ValueError(f"nodes (N, 2), forces and resistances of {self.rollers} positions are expected")
-        self.kept_alive.append((nodes, force, resistance))
+        self.references.append((nodes, force, resistance))
         ring.nodes = &nodes[0, 0]
         ring.cells = nodes.shape[0] - 1
         ring.begin, ring.end = limits
@@ -367,7 +367,7 @@ cdef class Spin:
             fits = fits and 0 <= first[i + 1] - first[i] <= ring.capacity
         if not fits:
             raise ValueError(f"first slices that ascend from 0 to {n}, by no more than the table, are expected")
-        self.kept_alive.append((gathered, load, force, width, first))
+        self.references.append((gathered, load, force, width, first))
         ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
         ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
         ring.first = &first[0]
@@ -381,7 +381,7 @@ cdef class Spin:
         if places is not None:
             if places.shape[0] != N_PLACES or places.shape[1] != n or ring.table.position == NULL:
                 raise ValueError(f"places of {n} slices are expected, and a table that has them")
-            self.kept_alive.append(places)
+            self.references.append(places)
             ring.places = &places[0, 0]
 
     @property

@@ -311,7 +311,7 @@ cdef class Varying:
 
     cdef varying_t v
     cdef object around, first
-    cdef list kept
+    cdef list references
     cdef dict numbers
     cdef list owners
     cdef double[::1] scale
@@ -334,14 +334,14 @@ cdef class Varying:
             raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: {AXES} more than axes are expected, "
                              f"and at most {AXES_CAPACITY} of these")
         self.around, self.autonomous = around, autonomous
-        self.kept, self.numbers, self.owners = [], {}, []
+        self.references, self.numbers, self.owners = [], {}, []
         for k, course in enumerate(courses):
             begin, powers = (np.array(part, dtype=float, order="C") for part in course)
             if begin.shape[0] < 1 or powers.shape[0] != begin.shape[0] or powers.shape[1] != 4:
                 raise ValueError(f"course {k}: pieces (n,) and (n, 4) are expected")
             v.course[k].pieces, v.course[k].last = begin.shape[0], 0
             v.course[k].begin, v.course[k].powers = &begin[0], &powers[0, 0]
-            self.kept.append((begin, powers))
+            self.references.append((begin, powers))
         for k, (low, high) in enumerate(ranges):
             if not low < high:
                 raise ValueError(f"axis {k} goes from {low:g} to {high:g}")
@@ -350,7 +350,7 @@ cdef class Varying:
         boxes = np.zeros(MAX_BOXES * sizeof(box_t), dtype=np.uint8)
         v.stations, v.boxes = <station_t *><size_t>stations.ctypes.data, <box_t *><size_t>boxes.ctypes.data
         v.owner, v.n_boxes, v.last, v.used, v.refused = <void *>self, 0, 0, 0, 0
-        self.kept += [stations, boxes]
+        self.references += [stations, boxes]
         self.scale = np.array(scale, dtype=float)
         self._more([low for low, _ in ranges])
         s = v.stations[0].system
@@ -364,7 +364,7 @@ cdef class Varying:
             raise ValueError(f"{v.unknowns} unknowns need as many scales, got {self.scale.shape[0]}")
         room = np.zeros(v.rollers * (v.block + v.row) + v.unknowns)
         v.own = &room[0]
-        self.kept.append(room)
+        self.references.append(room)
 
     cdef _more(self, place):
         """Take the stations around a place from their owner."""
@@ -403,7 +403,7 @@ cdef class Varying:
         v.stations[number].operation = &operation[0]
         v.stations[number].reads = min(<size_t>operation.shape[0], <size_t>READ)
         self.owners.append(owner)
-        self.kept.append((capsule, operation))
+        self.references.append((capsule, operation))
         self.numbers[id(owner)] = number
         return number
 
