@@ -88,7 +88,7 @@ cdef struct chain_t:
     size_t used[MAX_COLUMNS]   # offsets of all columns that are read or written
     int n_used
     rs_range ranges[MAX_CHECKS]
-    int begins[MAX_STAGES + 2]   # of the ranges of the table's own columns, and of what each stage writes
+    int range_offsets[MAX_STAGES + 2]   # of the ranges of the table's own columns, and of what each stage writes
     Py_ssize_t block
     int placed       # number of the first check of a column that says where a slice is, or -1
     refusal_t last   # of the chain as a stage
@@ -140,7 +140,7 @@ cdef class Chain:
             for name, (low, high) in filter.items():
                 self.chain.ranges[c] = rs_range(offsets[name], low if low else -0.0, high)
                 c += 1
-            self.chain.begins[k + 1] = c
+            self.chain.range_offsets[k + 1] = c
         for c, name in enumerate(sorted({name for filter in filters for name in filter})):
             self.chain.used[c] = offsets[name]
             self.chain.n_used = c + 1
@@ -494,7 +494,7 @@ cdef void _ask_for_next(const chain_t *c, const rs_slices *part, int stage, size
 
 cdef inline bint _inside(const chain_t *c, const rs_slices *part, int point) noexcept nogil:
     """Whether columns keep all that is asked of them: the table's own at 0, those that stage k writes at k + 1."""
-    return BLOCKS.all_inside(part, c.begins[point + 1] - c.begins[point], &c.ranges[c.begins[point]])
+    return BLOCKS.all_inside(part, c.range_offsets[point + 1] - c.range_offsets[point], &c.ranges[c.range_offsets[point]])
 
 
 cdef int _outside(const chain_t *c, const rs_slices *part, int stage, int output, Py_ssize_t *at) noexcept nogil:

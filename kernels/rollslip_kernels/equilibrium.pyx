@@ -190,7 +190,7 @@ def solve(
     rib_lead : (M, Z), optional
         Axial displacement at which the ribs of a roller touch, by the tilt of the ring [m].
     """
-    cdef Py_ssize_t n_instants = direction.shape[0]
+    cdef Py_ssize_t n_states = direction.shape[0]
     cdef Py_ssize_t Z = direction.shape[1]
     cdef Py_ssize_t u = direction.shape[2]
     cdef Py_ssize_t h = xi.shape[0]
@@ -222,19 +222,19 @@ def solve(
     cdef roller_t *r
     cdef int status
 
-    if centrifugal.shape[0] != n_instants:
-        raise ValueError(f"{centrifugal.shape[0]} centrifugal forces for {n_instants} instants")
+    if centrifugal.shape[0] != n_states:
+        raise ValueError(f"{centrifugal.shape[0]} centrifugal forces for {n_states} instants")
     if not (u == given.shape[0] == stiff >= 2 and stops.shape[1] == u + 2 and 2 <= outer <= <size_t>u):
         raise ValueError(f"{given.shape[0]} loads, {stiff} stiffnesses, {s} stops for {u} unknowns of rings")
-    if form.shape[0] != n_instants or form.shape[1] != Z:
+    if form.shape[0] != n_states or form.shape[1] != Z:
         raise ValueError("forms must be those of all rollers at all instants")
-    if pull is not None and (pull.shape[0] != n_instants or pull.shape[1] != Z):
+    if pull is not None and (pull.shape[0] != n_states or pull.shape[1] != Z):
         raise ValueError("forces must be those on all rollers at all instants")
     if not (weights.shape[1] == drop.shape[0] == h <= n <= 2 * h):
         raise ValueError(f"{drop.shape[0]} drops, {weights.shape[1]} weights for {h} of {n} slices")
     if ribs is not None and not (u >= 3 and outer >= 3 and rib_lead is not None):
         raise ValueError("ribs need an axial displacement as the third unknown, and leads")
-    if ribs is not None and (rib_lead.shape[0] != n_instants or rib_lead.shape[1] != Z):
+    if ribs is not None and (rib_lead.shape[0] != n_states or rib_lead.shape[1] != Z):
         raise ValueError("leads must be those of all rollers at all instants")
     b.axial = 0
     if ribs is not None:
@@ -282,7 +282,7 @@ def solve(
         min_drop = min(min_drop, drop[i])
 
     with nogil:
-        for m in range(n_instants):
+        for m in range(n_states):
             nearest = min(nearest, _cosine_of_nearest(&direction[m, 0, 0], Z, u))
             largest = max(largest, centrifugal[m])
             if pull is not None:
@@ -291,7 +291,7 @@ def solve(
         b.centrifugal = largest
         status = _find_scales(&b, max(min_drop, 0.0), nearest, reach)
         m = 0
-        while status == CONVERGED and m < n_instants:
+        while status == CONVERGED and m < n_states:
             continues = m > 0 and max(residuals[m - 1, 0], residuals[m - 1, 1]) <= ROUNDING_TOLERANCE and pull is None
             largest = centrifugal[m]
             for j in range(Z):
@@ -634,7 +634,7 @@ cdef inline bint _shorten_step(search_t *s, const double *force, const double *k
     return True
 
 
-cdef inline void _begin_step(
+cdef inline void _start_step(
     search_t *s, const double *force, const double *step, double fraction, double *move
 ) noexcept nogil:
     """Move by a fraction of a new step."""
@@ -723,7 +723,7 @@ cdef bint _shorten_ring_step(bearing_t *b) noexcept nogil:
     return True
 
 
-cdef void _begin_ring_step(bearing_t *b, double depth) noexcept nogil:
+cdef void _start_ring_step(bearing_t *b, double depth) noexcept nogil:
     """Begin a new step of the rings, which rollers follow."""
     cdef double k[3]
     cdef double follow[2]
@@ -827,7 +827,7 @@ cdef void _move(bearing_t *b, double depth) noexcept nogil:
             if b.axial:
                 rib_depth = depth * _rib_approach(b, unbalanced)
             fraction = _allowed_fraction(b, j, 0.0, 0.0, step, depth * _estimate_approach(b, unbalanced), rib_depth)
-            _begin_step(&r.search, r.force, step, _limited_fraction(b.max_move, fraction, step), r.move)
+            _start_step(&r.search, r.force, step, _limited_fraction(b.max_move, fraction, step), r.move)
         # the roller is eliminated onto the rings: how it follows them, the force that it passes on, and the stiffness
         # of its contacts in series, [ki (ki + ko)^-1 ko]_00, in which nothing cancels
         _solve_two(k, ki, r.follow)
@@ -850,7 +850,7 @@ cdef void _move(bearing_t *b, double depth) noexcept nogil:
                 b.hessian[i * u + m] += part * r.direction[m]
 
     if all_near and not _shorten_ring_step(b):
-        _begin_ring_step(b, depth)
+        _start_ring_step(b, depth)
     for i in range(u):
         b.position[i] += b.move[i]
     if b.axial:

@@ -157,17 +157,17 @@ cdef room_t _room(double[::1] of, Py_ssize_t capacity, Py_ssize_t count) noexcep
 
 
 def rules(
-    const double[::1] load, const double[::1] weight, const Py_ssize_t[::1] begin, Py_ssize_t count
+    const double[::1] load, const double[::1] weight, const Py_ssize_t[::1] start, Py_ssize_t count
 ) -> tuple[Array, Array]:
     """Return loads and weights of the Gauss rules of rows in the root of the load, ascending, (rows, count) each.
 
-    Row k has the loads from begin[k] to begin[k + 1], and weights that are not negative. Nodes that it has no different
+    Row k has the loads from start[k] to start[k + 1], and weights that are not negative. Nodes that it has no different
     loads for are 0 and weigh nothing. What is equal to a row shortly before has its rule: rollers that
     rest on the outer ring are alike at each instant, and instants alternate along an orbit.
     """
-    cdef Py_ssize_t rows = begin.shape[0] - 1, k, i, n, alike, capacity = 0
+    cdef Py_ssize_t rows = start.shape[0] - 1, k, i, n, alike, capacity = 0
     for k in range(rows):
-        capacity = max(capacity, begin[k + 1] - begin[k])
+        capacity = max(capacity, start[k + 1] - start[k])
     capacity += LANES
     found, shares = np.zeros((rows, count)), np.zeros((rows, count))
     cdef double[:, ::1] nodes = found, weights = shares
@@ -175,21 +175,21 @@ def rules(
     cdef room_t at = _room(own, capacity, count)
     with nogil:
         for k in range(rows):
-            n = begin[k + 1] - begin[k]
+            n = start[k + 1] - start[k]
             if n == 0:
                 continue
             i, alike = 0, k
             while i < n and alike > 0 and k - alike < RECENT:
                 alike, i = alike - 1, 0
-                if begin[alike + 1] - begin[alike] == n:
-                    while i < n and load[begin[k] + i] == load[begin[alike] + i] \
-                            and weight[begin[k] + i] == weight[begin[alike] + i]:
+                if start[alike + 1] - start[alike] == n:
+                    while i < n and load[start[k] + i] == load[start[alike] + i] \
+                            and weight[start[k] + i] == weight[start[alike] + i]:
                         i += 1
             if i == n:
                 for i in range(count):
                     nodes[k, i], weights[k, i] = nodes[alike, i], weights[alike, i]
             else:
-                _rule(&at, _gather(&at, &load[begin[k]], &weight[begin[k]], n, -1.0), count,
+                _rule(&at, _gather(&at, &load[start[k]], &weight[start[k]], n, -1.0), count,
                       &nodes[k, 0], &weights[k, 0])
     return found, shares
 

@@ -9,7 +9,7 @@
 enum { INNER, OUTER };
 enum { RS_CONSTANT, RS_EFFECTIVE, RS_CONVENTIONAL };   /* friction */
 enum { EVALUATED, RENEWED, LINEARISED };   /* friction: evaluated; and linearised; or by the last linearisation */
-enum { NOBODY, FRICTION_REFUSED, DRAG_REFUSED = 3, LEVEL_REFUSED };   /* who refused: + ring; the last and more: a level */
+enum { NOT_REFUSED, FRICTION_REFUSED, DRAG_REFUSED = 3, LEVEL_REFUSED };   /* who refused: + ring; the last and more: a level */
 enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MAX_DRAGS = 16 };   /* at most, of a roller; drags on a cage */
 #define RS_RACEWAY "rollslip.raceway"   /* name of a capsule of rs_raceway */
 #define RS_REST_SPEED 1e-3              /* u_0 [m/s] */

@@ -71,17 +71,17 @@ def conventional(
         raise ValueError(f"a table of {len(slices)} slices is not one of {rollers} rollers")
     cdef rs_raceway w = _raceway(RS_CONVENTIONAL, rollers, len(slices) // rollers)
     stage, gathered = chain.as_stage(), bound(slices)
-    cdef size_t[::1] begins = np.zeros(rollers + 1, dtype=np.uintp)
+    cdef size_t[::1] offsets = np.zeros(rollers + 1, dtype=np.uintp)
     cdef double[::1] wide = np.array(widths, dtype=float)
     cdef double[::1] along = np.zeros(len(wide)) if position is None else np.array(position, dtype=float)
     if <size_t>wide.shape[0] != w.slices:
         raise ValueError(f"{wide.shape[0]} widths for {w.slices} slices of a roller")
     if along.shape[0] != wide.shape[0]:
         raise ValueError(f"{along.shape[0]} places for {w.slices} slices of a roller")
-    w.widths, w.position, w.resists, w.first, w.across = &wide[0], &along[0], resists, &begins[0], across
+    w.widths, w.position, w.resists, w.first, w.across = &wide[0], &along[0], resists, &offsets[0], across
     w.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
     w.gathered = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
-    return _new(&w, (chain, stage, gathered, begins, wide, along))
+    return _new(&w, (chain, stage, gathered, offsets, wide, along))
 
 
 def with_table(

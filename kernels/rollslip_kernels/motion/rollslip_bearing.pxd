@@ -202,7 +202,7 @@ cdef inline int rs_set_common(
 cdef inline object rs_refusal(const rs_bearing *c, raceways):
     """Who refused an evaluation last, if that is a raceway or a drag, and why; None if nobody."""
     from rollslip_kernels.motion.raceway import refusal
-    if c.refused == NOBODY:
+    if c.refused == NOT_REFUSED:
         return None
     if c.refused == DRAG_REFUSED:
         return "drag", None

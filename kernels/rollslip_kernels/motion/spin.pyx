@@ -185,7 +185,7 @@ cdef struct ring_t:
     const double *nodes        # value and slope per cell, (cells + 1, 2), or NULL of a chain
     Py_ssize_t cells
     double scale               # [m/s]
-    double begin               # of the abscissa
+    double start               # of the abscissa
     double end
     const double *constant_resistance   # without slip [N], (K,)
 
@@ -343,7 +343,7 @@ cdef class Spin:
         self.references.append((nodes, force, resistance))
         ring.nodes = &nodes[0, 0]
         ring.cells = nodes.shape[0] - 1
-        ring.begin, ring.end = limits
+        ring.start, ring.end = limits
         ring.scale = scale
         ring.force = &force[0]
         ring.constant_resistance = &resistance[0]
@@ -1049,12 +1049,12 @@ cdef class Spin:
         """
         cdef ring_t *ring = &self.rings[which]
         cdef rs_slices *s = &ring.table
-        cdef Py_ssize_t begin = 0
+        cdef Py_ssize_t first_active = 0
         cdef Py_ssize_t end, a, k, i, at, n
         cdef int status
         cdef double traction, resistance, rolling
-        while begin < count:
-            end = self._gather(which, slip, begin, count, &n)
+        while first_active < count:
+            end = self._gather(which, slip, first_active, count, &n)
             ring.evaluated += n
             n = _fill_lanes(ring, n)
             s.n = n
@@ -1063,7 +1063,7 @@ cdef class Spin:
                 if status != 0:
                     return RAISED if status == -1 else which
             n = 0
-            for a in range(begin, end):
+            for a in range(first_active, end):
                 k = self.active[a]
                 at = self.slot[a]
                 traction = 0.0
@@ -1077,10 +1077,10 @@ cdef class Spin:
                     resistance *= rolling / _length(rolling, self.min_film_speed)
                 ring.traction[at] = traction
                 ring.resistance[at] = resistance
-            begin = end
+            first_active = end
         return FOUND
 
-    cdef Py_ssize_t _gather(self, int which, const double *slip, Py_ssize_t begin, Py_ssize_t count,
+    cdef Py_ssize_t _gather(self, int which, const double *slip, Py_ssize_t first_active, Py_ssize_t count,
                             Py_ssize_t *n_gathered) noexcept nogil:
         """Gather slices of active rollers from one on into the table; return the first roller that does not fit."""
         cdef ring_t *ring = &self.rings[which]
@@ -1091,7 +1091,7 @@ cdef class Spin:
         cdef Py_ssize_t a, k, i, size
         cdef int c
         cdef double sliding, rolling
-        for a in range(begin, count):
+        for a in range(first_active, count):
             k = self.active[a]
             size = ring.first[k + 1] - ring.first[k]
             if n + size > ring.capacity:
@@ -1495,7 +1495,7 @@ cdef Py_ssize_t _fill_lanes(ring_t *ring, Py_ssize_t n) noexcept nogil:
 cdef double _friction_of_curve(const ring_t *ring, double sliding) noexcept nogil:
     """Friction at a sliding speed, by cubics of Hermite between the nodes of a curve; beyond them it is constant."""
     cdef double x = sliding / (fabs(sliding) + ring.scale)
-    cdef double t = (min(max(x, ring.begin), ring.end) - ring.begin) / (ring.end - ring.begin) * ring.cells
+    cdef double t = (min(max(x, ring.start), ring.end) - ring.start) / (ring.end - ring.start) * ring.cells
     cdef Py_ssize_t k = min(<Py_ssize_t>t, ring.cells - 1)
     cdef const double *node = &ring.nodes[2 * k]
     t -= k

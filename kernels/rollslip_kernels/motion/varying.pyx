@@ -52,7 +52,7 @@ MAX_AXES: Final[int] = AXES_CAPACITY
 cdef struct course_t:
     size_t pieces
     size_t last
-    const double *begin   # [pieces]
+    const double *start   # [pieces]
     const double *powers  # [pieces x 4] of the time since the beginning of the piece
 
 cdef struct station_t:
@@ -98,17 +98,17 @@ cdef double _value(course_t *c, double t) noexcept nogil:
     cdef size_t low, high, middle, k = c.last
     cdef const double *p
     cdef double x
-    if not (c.begin[k] <= t and (k + 1 == c.pieces or t < c.begin[k + 1])):
+    if not (c.start[k] <= t and (k + 1 == c.pieces or t < c.start[k + 1])):
         low, high = 0, c.pieces
         while high - low > 1:
             middle = (low + high) // 2
-            if c.begin[middle] <= t:
+            if c.start[middle] <= t:
                 low = middle
             else:
                 high = middle
         k = c.last = low
     p = c.powers + 4 * k
-    x = t - c.begin[k]
+    x = t - c.start[k]
     if x <= 0.0:
         return p[0]
     return p[0] + x * (p[1] + x * (p[2] + x * p[3]))
@@ -325,7 +325,7 @@ cdef class Varying:
     ):
         cdef varying_t *v = &self.v
         cdef const rs_system *s
-        cdef double[::1] begin
+        cdef double[::1] start
         cdef double[:, ::1] powers
         cdef double[::1] room
         v.axes, v.speed_axis, v.root_axis = len(ranges), speed_axis, root_axis
@@ -336,12 +336,12 @@ cdef class Varying:
         self.around, self.autonomous = around, autonomous
         self.references, self.numbers, self.owners = [], {}, []
         for k, course in enumerate(courses):
-            begin, powers = (np.array(part, dtype=float, order="C") for part in course)
-            if begin.shape[0] < 1 or powers.shape[0] != begin.shape[0] or powers.shape[1] != 4:
+            start, powers = (np.array(part, dtype=float, order="C") for part in course)
+            if start.shape[0] < 1 or powers.shape[0] != start.shape[0] or powers.shape[1] != 4:
                 raise ValueError(f"course {k}: pieces (n,) and (n, 4) are expected")
-            v.course[k].pieces, v.course[k].last = begin.shape[0], 0
-            v.course[k].begin, v.course[k].powers = &begin[0], &powers[0, 0]
-            self.references.append((begin, powers))
+            v.course[k].pieces, v.course[k].last = start.shape[0], 0
+            v.course[k].start, v.course[k].powers = &start[0], &powers[0, 0]
+            self.references.append((start, powers))
         for k, (low, high) in enumerate(ranges):
             if not low < high:
                 raise ValueError(f"axis {k} goes from {low:g} to {high:g}")
