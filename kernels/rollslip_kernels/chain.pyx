@@ -184,7 +184,7 @@ cdef class Chain:
             rs_raise_pending()
         if refusal.column and refusal.slice >= 0:
             refusal.slice += start
-        return self._words(refusal)
+        return self._described(refusal)
 
     def bind(self, slices: Slices, error: Callable[[Refusal, Slices], Exception]) -> Bound:
         """Return a callable that evaluates this table again; ``error`` makes an exception of a refusal and a table."""
@@ -204,9 +204,9 @@ cdef class Chain:
         if model.evaluate != _call_chain:
             raise ValueError("the stage is not a chain")
         cdef const chain_t *chain = <const chain_t *>model.params
-        return None if chain.last.stage < 0 else self._words(&chain.last)
+        return None if chain.last.stage < 0 else self._described(&chain.last)
 
-    cdef tuple _words(self, const refusal_t *r):
+    cdef tuple _described(self, const refusal_t *r):
         if r.check >= 0 and not r.column:
             return "input", r.stage, self.condition_names[r.check], 0
         if r.check >= 0:
@@ -438,13 +438,13 @@ cdef list _filters(list stages):
     filters = []
     for k in range(-1, len(stages)):
         found = {name: (-LARGEST, LARGEST) for name in sorted(stages[k][1])} if k >= 0 else {}
-        settled = set() if k < 0 else set(COLUMNS) - set(found)
+        written = set() if k < 0 else set(COLUMNS) - set(found)
         for domain, writes in stages[k + 1:]:
             for name, (low, high) in domain.items():
-                if name in COLUMNS and name not in settled:
+                if name in COLUMNS and name not in written:
                     lowest, highest = found.get(name, (low, high))
                     found[name] = max(low, lowest), min(high, highest)
-            settled.update(writes)
+            written.update(writes)
         filters.append(found)
     return filters
 
@@ -616,12 +616,12 @@ cdef int _bind(rs_slices *s, slices, bint placed) except -1:
     return 0
 
 
-cdef void _point(rs_slices *s, double *table, Py_ssize_t apart, int first, int end) noexcept nogil:
+cdef void _point(rs_slices *s, double *table, Py_ssize_t row_length, int first, int end) noexcept nogil:
     """Point columns ``first`` to ``end`` at the rows of a table."""
     cdef double **columns = &s.approach
     cdef int k
     for k in range(first, end):
-        columns[k] = table + (k - first) * apart
+        columns[k] = table + (k - first) * row_length
 
 
 cdef int _call_python(const rs_slices *s, const void *params) noexcept with gil:

@@ -38,7 +38,7 @@ cdef void taken(double *of, double projection, const double *other, Py_ssize_t n
 
 
 cdef Py_ssize_t jacobi(
-    const double *x, double *basis, double *diagonal, double *beside, Py_ssize_t n, Py_ssize_t count
+    const double *x, double *basis, double *diagonal, double *off_diagonal, Py_ssize_t n, Py_ssize_t count
 ) noexcept nogil:
     """Jacobi matrix over n points, whose first row of the basis is given; return its size, at most count."""
     cdef Py_ssize_t k, j, i
@@ -55,57 +55,57 @@ cdef Py_ssize_t jacobi(
         diagonal[k] = dot(new, row, n)
         taken(new, diagonal[k], row, n)
         if k > 0:
-            taken(new, beside[k - 1], row - n, n)
+            taken(new, off_diagonal[k - 1], row - n, n)
         for j in range(k + 1):
             taken(new, dot(new, basis + j * n, n), basis + j * n, n)
         norm = sqrt(dot(new, new, n))
         if not norm > threshold:   # no point is left that differs
             return k + 1
         if k + 1 < count:
-            beside[k] = norm
+            off_diagonal[k] = norm
         for i in range(n):
             new[i] /= norm
     return count
 
 
-cdef void eigenvalues(double *diagonal, double *beside, double *first, Py_ssize_t n) noexcept nogil:
+cdef void eigenvalues(double *diagonal, double *off_diagonal, double *first, Py_ssize_t n) noexcept nogil:
     """Turn a matrix into its eigenvalues, on the diagonal, and the first unit vector into components along theirs."""
     cdef Py_ssize_t low, high = n - 1, k
     cdef int turns = 0
-    cdef double half, x, y, r, c, s, moved
+    cdef double half, x, y, r, c, s, shift
     while high > 0:
         low = high
-        while low > 0 and fabs(beside[low - 1]) > EPSILON * (fabs(diagonal[low - 1]) + fabs(diagonal[low])):
+        while low > 0 and fabs(off_diagonal[low - 1]) > EPSILON * (fabs(diagonal[low - 1]) + fabs(diagonal[low])):
             low -= 1
         if low == high or turns == TURNS:
             high, turns = high - 1, 0
             continue
         turns += 1
-        half, y = 0.5 * (diagonal[high - 1] - diagonal[high]), beside[high - 1]
+        half, y = 0.5 * (diagonal[high - 1] - diagonal[high]), off_diagonal[high - 1]
         x = diagonal[low] - (diagonal[high] - y * (y / (half + copysign(sqrt(half * half + y * y), half))))
-        y = beside[low]
+        y = off_diagonal[low]
         for k in range(low, high):
             r = sqrt(x * x + y * y)   # roots of loads are far from overflow, and hypot takes an eighth of a rule
             c, s = 1.0, 0.0
             if r > 0.0:
                 c, s = x / r, y / r
             if k > low:
-                beside[k - 1] = r
-            moved = s * (s * (diagonal[k] - diagonal[k + 1]) - 2.0 * c * beside[k])
-            beside[k] = (c - s) * (c + s) * beside[k] - c * s * (diagonal[k] - diagonal[k + 1])
-            diagonal[k] -= moved
-            diagonal[k + 1] += moved
+                off_diagonal[k - 1] = r
+            shift = s * (s * (diagonal[k] - diagonal[k + 1]) - 2.0 * c * off_diagonal[k])
+            off_diagonal[k] = (c - s) * (c + s) * off_diagonal[k] - c * s * (diagonal[k] - diagonal[k + 1])
+            diagonal[k] -= shift
+            diagonal[k + 1] += shift
             first[k], first[k + 1] = c * first[k] + s * first[k + 1], c * first[k + 1] - s * first[k]
             if k + 1 < high:
-                x, y = beside[k], s * beside[k + 1]
-                beside[k + 1] *= c
+                x, y = off_diagonal[k], s * off_diagonal[k + 1]
+                off_diagonal[k + 1] *= c
 
 
 cdef struct room_t:   # for one rule at a time
     double *x
     double *basis
     double *diagonal
-    double *beside
+    double *off_diagonal
     double *first
 
 
@@ -134,10 +134,10 @@ cdef void _rule(const room_t *at, Py_ssize_t n, Py_ssize_t count, double *nodes,
     while n % LANES:   # points without weight change nothing
         at.x[n] = at.basis[n] = 0.0
         n += 1
-    size = jacobi(at.x, at.basis, at.diagonal, at.beside, n, count)
+    size = jacobi(at.x, at.basis, at.diagonal, at.off_diagonal, n, count)
     for i in range(size):
         at.first[i] = 1.0 if i == 0 else 0.0
-    eigenvalues(at.diagonal, at.beside, at.first, size)
+    eigenvalues(at.diagonal, at.off_diagonal, at.first, size)
     for i in range(size):
         j, node, weight = i, at.diagonal[i] * at.diagonal[i], at.first[i] * at.first[i] * total
         while j > 0 and nodes[j - 1] > node:
@@ -151,8 +151,8 @@ cdef room_t _room(double[::1] of, Py_ssize_t capacity, Py_ssize_t count) noexcep
     at.x = &of[0]
     at.basis = at.x + capacity
     at.diagonal = at.basis + (count + 1) * capacity
-    at.beside = at.diagonal + count
-    at.first = at.beside + count
+    at.off_diagonal = at.diagonal + count
+    at.first = at.off_diagonal + count
     return at
 
 
@@ -241,7 +241,7 @@ def legendre(Py_ssize_t n) -> tuple[Array, Array]:
     cdef double[::1] nodes = found, weights = shares
     cdef Py_ssize_t k, j
     cdef int _step
-    cdef double x, before, now, over, slope, moved, left
+    cdef double x, before, now, over, slope, step, left
     with nogil:
         for k in range((n + 1) // 2):
             x = cos(M_PI * (k + 0.75) / (n + 0.5)) * (1.0 - (n - 1.0) / (8.0 * n * n * n))   # Tricomi
@@ -251,13 +251,13 @@ def legendre(Py_ssize_t n) -> tuple[Array, Array]:
                     over = x * now
                     before, now = now, over + (1.0 - 1.0 / j) * (over - before)
                 slope = n * (before - x * now) / ((1.0 - x) * (1.0 + x))
-                moved = now / slope
-                x -= moved
-                if fabs(moved) <= EPSILON:
+                step = now / slope
+                x -= step
+                if fabs(step) <= EPSILON:
                     break
-            x += moved   # where the slope was found; the weight is then taken to the node, to the first order
+            x += step   # where the slope was found; the weight is then taken to the node, to the first order
             left = (1.0 - x) * (1.0 + x)
-            weights[k] = 2.0 / (left * slope * slope) * (1.0 + 2.0 * x * moved / left)
-            x = 0.0 if 2 * k + 1 == n else x - moved
+            weights[k] = 2.0 / (left * slope * slope) * (1.0 + 2.0 * x * step / left)
+            x = 0.0 if 2 * k + 1 == n else x - step
             nodes[k], nodes[n - 1 - k], weights[n - 1 - k] = -x, x, weights[k]
     return found, shares

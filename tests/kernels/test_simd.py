@@ -221,7 +221,7 @@ def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, rings, mon
             (
                 system.rates(0.0, y),
                 held,
-                system.linearised_rates(0.0, y, 1e-5, y, apart=True),
+                system.linearised_rates(0.0, y, 1e-5, y, separate_contacts=True),
                 system.go(0.0, 4e-6, 2, y),
             )
         )

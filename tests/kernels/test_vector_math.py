@@ -118,7 +118,7 @@ def test_worst_error_of_what_is_added_to_a_logarithm(path):
         <= 2e-16
     )
     y = np.concatenate([rng.uniform(0, 1, 2000), spread(rng, 1e-300, 1, 2000), [0.0, 1.0]])
-    plus_one = vector_math.log2_plus_one(y, simd=path)
+    plus_one = vector_math.log2p1(y, simd=path)
     exact = [mpmath.log1p(mpmath.mpf(at)) / mpmath.log(2) for at in y]
     assert max(abs(float(v - truth)) for v, truth in zip(plus_one, exact, strict=True)) <= 4e-16
     assert vector_math.exp2_falling([-1e308, -INF], simd=path).tolist() == [2.0**-1000] * 2

@@ -31,9 +31,9 @@ cdef inline rs_drag rs_drag_of(object capsule):
 
 
 cdef inline double rs_torque_then(
-    const rs_drag *one, double cage, double inner, double outer, double time
+    const rs_drag *drag, double cage, double inner, double outer, double time
 ) noexcept nogil:
     """Torque of a drag at a time."""
-    if one.torque_at != NULL:
-        return one.torque_at(cage, inner, outer, time, one.params)
-    return one.torque(cage, inner, outer, one.params)
+    if drag.torque_at != NULL:
+        return drag.torque_at(cage, inner, outer, time, drag.params)
+    return drag.torque(cage, inner, outer, drag.params)

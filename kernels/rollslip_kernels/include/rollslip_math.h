@@ -42,7 +42,7 @@
 #define RS_LN2 0x1.62e42fefa39efp-1
 #define RS_LN2_HIGH 0x1.62e42fefa0000p-1   /* 40 bits: k RS_LN2_HIGH is exact */
 #define RS_LN2_LOW 0x1.cf79abc9e3b3ap-40
-#define RS_ONE UINT64_C(0x3ff0000000000000)
+#define RS_UNITY_BITS UINT64_C(0x3ff0000000000000)
 #define RS_SQRT_HALF UINT64_C(0x3fe6a09e667f3bcd)
 #define RS_SIGN (UINT64_C(1) << 63)
 #define RS_HIGH_BITS UINT64_C(0xfffffffff8000000)   /* 26 bits, so that a product of two is exact */
@@ -62,7 +62,7 @@ RS_INLINE uint64_t rs_bits(double x) {
 RS_INLINE double rs_high(double x) { return rs_of_bits(rs_bits(x) & RS_HIGH_BITS); }
 
 /* 2^n, n an integer, -1022 <= n <= 1023 */
-RS_INLINE double rs_power_of_two(double n) { return rs_of_bits((rs_bits(n + RS_ROUND) << 52) + RS_ONE); }
+RS_INLINE double rs_power_of_two(double n) { return rs_of_bits((rs_bits(n + RS_ROUND) << 52) + RS_UNITY_BITS); }
 
 /* p 2^n, |n| <= 2044, rounded once also where it is denormal */
 RS_INLINE double rs_scaled(double p, double n) {
@@ -72,9 +72,9 @@ RS_INLINE double rs_scaled(double p, double n) {
 
 /* x = m 2^k, m in [sqrt(1/2), sqrt(2)), for normal 0 < x < inf */
 RS_INLINE double rs_split_normal(double x, double *k) {
-    uint64_t bits = rs_bits(x), biased = (bits - RS_SQRT_HALF + RS_ONE) >> 52;
+    uint64_t bits = rs_bits(x), biased = (bits - RS_SQRT_HALF + RS_UNITY_BITS) >> 52;
     *k = rs_of_bits(biased | UINT64_C(0x4330000000000000)) - (0x1p52 + 1023.0);
-    return rs_of_bits(bits - (biased << 52) + RS_ONE);
+    return rs_of_bits(bits - (biased << 52) + RS_UNITY_BITS);
 }
 
 /* The same for denormal x as well */
@@ -95,7 +95,7 @@ RS_INLINE double rs_artanh_rest(double s) {
 }
 
 /* log(m) of m = 1 + f in [sqrt(1/2), sqrt(2)] */
-RS_INLINE double rs_log_near_one(double f) {
+RS_INLINE double rs_log_reduced(double f) {
     double s = f / (2.0 + f);
     return RS_FMA(-s, f - rs_artanh_rest(s), f);
 }
@@ -109,13 +109,13 @@ RS_INLINE double rs_log_domain(double x, double result) {
 /* 1.2 ulp */
 RS_INLINE double rs_log(double x) {
     double k, m = rs_split(x, &k);
-    return rs_log_domain(x, RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_near_one(m - 1.0))));
+    return rs_log_domain(x, RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_reduced(m - 1.0))));
 }
 
 /* 1.5 ulp */
 RS_INLINE double rs_log2(double x) {
     double k, m = rs_split(x, &k);
-    return rs_log_domain(x, RS_FMA(RS_INV_LN2, rs_log_near_one(m - 1.0), k));
+    return rs_log_domain(x, RS_FMA(RS_INV_LN2, rs_log_reduced(m - 1.0), k));
 }
 
 /* 2 artanh(s)/log(2), |s| <= 0.1716 */
@@ -136,7 +136,7 @@ RS_INLINE double rs_log2_parts(double x, double *k) {
 }
 
 /* log2(1 + x), 0 <= x <= 1, to 4e-16 absolute: for what is added to a logarithm */
-RS_INLINE double rs_log2_plus_one(double x) {
+RS_INLINE double rs_log2p1(double x) {
     return 0.5 + rs_log2_ratio((x - RS_SQRT2_LESS) / (x + RS_SQRT2_MORE));
 }
 
@@ -144,7 +144,7 @@ RS_INLINE double rs_log2_plus_one(double x) {
 RS_INLINE double rs_log1p(double x) {
     double u = 1.0 + x, back = u - 1.0, lost = (1.0 - (u - back)) + (x - back), k, m = rs_split_normal(u, &k);
     double f = k == 0.0 ? x : (m - 1.0) + lost * rs_power_of_two(k < 60.0 ? -k : -60.0);
-    double result = RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_near_one(f)));
+    double result = RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_reduced(f)));
     return rs_log_domain(u, fabs(x) < 0x1p-54 ? x : result);
 }
 
@@ -209,7 +209,7 @@ RS_INLINE double rs_expm1_exp(double x, double *whole) {
 RS_INLINE double rs_expm1_exp_falling(double x, double *whole) {
     double t = RS_FMA(x < -693.0 ? -693.0 : x, RS_INV_LN2, RS_ROUND), n = t - RS_ROUND;
     double f = RS_FMA(n, -RS_LN2_LOW, RS_FMA(n, -RS_LN2_HIGH, x < -693.0 ? -693.0 : x));
-    double p = RS_FMA(f * f, rs_exp_rest(f), f), scale = rs_of_bits((rs_bits(t) << 52) + RS_ONE);
+    double p = RS_FMA(f * f, rs_exp_rest(f), f), scale = rs_of_bits((rs_bits(t) << 52) + RS_UNITY_BITS);
     *whole = RS_FMA(scale, p, scale);
     return RS_FMA(scale, p, scale - 1.0);
 }

@@ -279,7 +279,7 @@ cdef int _roller_rates(
     double t, const double *head, const double *rollers, double *rates, double *added, void *state
 ) noexcept nogil:
     cdef carried_t *p = <carried_t *>state
-    cdef double one[ADDED]
+    cdef double sums[ADDED]
     cdef size_t j, k, row = ALL + p.c.shares, Z = p.c.rollers
     cdef int status = _columns(p, head, rollers)
     if status != 0:
@@ -288,8 +288,8 @@ cdef int _roller_rates(
     memset(added, 0, Z * row * sizeof(double))
     for j in range(Z):
         for k in range(<size_t>ADDED):
-            one[k] = p.c.added[k][j]
-        _receive(p, one, added + j * row)
+            sums[k] = p.c.added[k][j]
+        _receive(p, sums, added + j * row)
         rs_shares(&p.c, TO_LOST_INNER, j, added + j * row + ALL)
     return 0
 

@@ -140,7 +140,7 @@ cdef class Leapfrog(Stepper):
     cdef object linearised_memory
     cdef const double *kicked
     cdef rs_kick kick
-    cdef object ones
+    cdef object all_kicked
 
     def __init__(
         self, capsule, double t0, y0: ArrayLike, double t_bound, rtol: ArrayLike = 1e-3, atol: ArrayLike = 1e-6,
@@ -155,8 +155,8 @@ cdef class Leapfrog(Stepper):
         cdef double reduction
         cdef size_t i
         self.kick = rs_kick_baseline if active() == "baseline" else rs_kick_wider
-        self.ones = np.ones(self.n)
-        self.kicked = <double *><size_t>self.ones.ctypes.data
+        self.all_kicked = np.ones(self.n)
+        self.kicked = <double *><size_t>self.all_kicked.ctypes.data
         if self.c.kicked != NULL:
             self.kicked = self.c.kicked
         self.fixed = self.c.kicked != NULL and (contact > 0.0 or oscillation > 0.0)
@@ -226,7 +226,7 @@ cdef class Leapfrog(Stepper):
             self.interval = linear_state[1]
             self.damping = linear_state[2]
             if linear_state[5] == 0.0:
-                self._take_one_rate()
+                self._use_single_rate()
             self.implicit = linear_state[3] != 0.0
             self.is_free = linear_state[4] != 0.0
             memcpy(self.y_linearised, &linear_state[6], self.n * sizeof(double))
@@ -294,7 +294,7 @@ cdef class Leapfrog(Stepper):
             self.substeps = <size_t>ceil(0.5 * self.two_rate_step / self.contact_substep)
             self.step_size = self.two_rate_step
 
-    cdef void _take_one_rate(self) noexcept nogil:
+    cdef void _use_single_rate(self) noexcept nogil:
         """Take contacts and oscillations in the same steps."""
         self.substeps = 0
         self.step_size = self.single_rate_step
@@ -355,7 +355,7 @@ cdef class Leapfrog(Stepper):
             if status != 0:
                 return status
             if self.substeps and self.damping_and_error[0] * self.step_size > MAX_FRICTION_STEP:
-                self._take_one_rate()
+                self._use_single_rate()
             if self.damping_and_error[0] * self.step_size > MAX_FRICTION_STEP:
                 self.damping = self.damping_and_error[0]
                 return DAMPED
@@ -378,9 +378,9 @@ cdef class Leapfrog(Stepper):
         cdef int status
         if self.substeps == 0:
             return self.c.linearised_rates(t, y, half, self.f, rates, self.c.state)
-        self.c.apart[0] = 1
+        self.c.separate_contacts[0] = 1
         status = self.c.linearised_rates(t, y, half, self.f, rates, self.c.state)
-        self.c.apart[0] = 0
+        self.c.separate_contacts[0] = 0
         return status
 
     cdef int _drift(self, double h, double *y) noexcept nogil:
@@ -439,7 +439,7 @@ cdef class Leapfrog(Stepper):
         status = self._measure_damping()
         self.c.still[0] = 0
         if self.substeps and self.damping * self.step_size > MAX_DAMPED_STEP:
-            self._take_one_rate()
+            self._use_single_rate()
         if status != 0 or self.damping * self.step_size > MAX_DAMPED_STEP:
             return status if status != 0 else DAMPED
         self.damping = all

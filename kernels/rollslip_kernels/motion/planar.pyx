@@ -169,8 +169,8 @@ ctypedef struct planar_t:
     size_t *first_slice[2]         # of each roller among the slices in contact, (Z + 1,)
     int *may_touch                 # whether a bar may touch the roller, (Z,)
     size_t *touching               # rollers that a bar may touch, in order
-    int contact_apart              # forces of bars and metal are left out where friction is held: they have own steps
-    double last_head[HEAD]         # of the last evaluation while `contact_apart` is set
+    int separate_contacts          # linearised rates are without forces of bars and metal, which have own steps
+    double last_head[HEAD]         # of the last evaluation while `separate_contacts` is set
 
 # Multiple of the half of a step, at the present speeds, in which a bar may be touched: forces change speeds in it. With
 # 1 touches are missed, with 4 more rollers are evaluated. Chosen.
@@ -336,13 +336,13 @@ cdef int rates_with_linear_friction(
     cdef int status = ring_contacts(y, y + p.head_size, p, False, LINEARISED)
     if status != 0:
         return status
-    if p.contact_apart:
+    if p.separate_contacts:
         skip_bar_forces(y, p)
     else:
         bar_forces(y, p)
     if half > 0.0:
         p.loops.implicit(&p.c, y, half, before + p.head_size)
-    return rates_from_columns(t, y, rates, LAND_FILM if p.contact_apart else ALL_OF_LAND, p)
+    return rates_from_columns(t, y, rates, LAND_FILM if p.separate_contacts else ALL_OF_LAND, p)
 
 
 cdef inline double bar_friction(const planar_t *p, double force, double speed) noexcept nogil:
@@ -561,7 +561,7 @@ cdef int roller_rates(
     """Rates of the rollers' unknowns, and what each roller adds to the rates of the head and of the ledger."""
     cdef planar_t *p = <planar_t *>state
     cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE])
-    cdef double one[ADDED], row[ROW]
+    cdef double sums[ADDED], row[ROW]
     cdef double *to
     cdef const rs_bent_ring *bent
     cdef size_t j, k, width = p.head_size + LEDGER + p.c.shares
@@ -573,8 +573,8 @@ cdef int roller_rates(
     for j in range(p.c.rollers):
         to = added + j * width
         memset(row, 0, ROW * sizeof(double))
-        rs_plane_one(&p.c, j, one)
-        add_roller_sums(p, c, s, one, row)
+        rs_plane_added(&p.c, j, sums)
+        add_roller_sums(p, c, s, sums, row)
         copy_head_and_ledger(p, row, to)
         rs_shares(&p.c, TO_LOST_INNER, j, to + p.head_size + LEDGER)
         for ring in range(2):
@@ -982,7 +982,7 @@ cdef class Planar:
         s.state = s.speeds_state = &self.p
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
         s.renew, s.linearised_rates, s.still = renew_friction, rates_with_linear_friction, &self.p.c.still
-        s.apart, s.go, s.clear = &self.p.contact_apart, drift_with_contacts, is_clear
+        s.separate_contacts, s.go, s.clear = &self.p.separate_contacts, drift_with_contacts, is_clear
         # one roller against the cage, which moves and turns; the cage against a ring
         s.contact_frequency = sqrt(p.c.pocket.stiffness * (
             1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.c.cage_inertia))

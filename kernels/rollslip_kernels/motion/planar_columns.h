@@ -102,7 +102,7 @@ static const rs_plane_loops *rs_plane_loops_of(int wider) {
 #endif
 
 /* What one roller adds. */
-static void rs_plane_one(const rs_bearing *p, size_t j, double *sums) {
+static void rs_plane_added(const rs_bearing *p, size_t j, double *sums) {
     for (int k = 0; k < ADDED; k++) sums[k] = rs_plane_idle(p, k) ? 0.0 : p->added[k][j];
 }
 
@@ -132,8 +132,8 @@ static void rs_ring_forces_of(const rs_bearing *p, int ring, size_t j, double *f
 
 /* cos and sin of an angle a little on from one whose own are known. */
 static inline void rs_turned(double by, double cosine, double sine, double *c, double *s) {
-    const double one = 1.0, none = 0.0;
-    rs_angles(1, cosine, sine, &one, &none, &by, c, s);
+    const double unit_cosine = 1.0, zero_sine = 0.0;
+    rs_angles(1, cosine, sine, &unit_cosine, &zero_sine, &by, c, s);
 }
 
 /* A gap at the inner ring, less that of first touch: below zero where no roller carries it, and then the largest.  One

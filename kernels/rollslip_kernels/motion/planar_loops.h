@@ -197,8 +197,8 @@ static void RS_SET(rs_plane_implicit)(rs_bearing *p, const double *head, double 
             - push[j] * (R + cage_along) + lift[j] * cage_across + m * (gy * c[j] - gx * s[j]) * radius
             - turning[j];
         double turned = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_J - before[j * BLOCK + SPIN];
-        double moved = torque * per_I - 2.0 * v[j] * w[j] / radius - before[j * BLOCK + ORBIT];
-        rs_implicit_change(half, r, a, b, ki, ko, per_J, per_I, turned, moved, &ds, &dw);
+        double orbit_change = torque * per_I - 2.0 * v[j] * w[j] / radius - before[j * BLOCK + ORBIT];
+        rs_implicit_change(half, r, a, b, ki, ko, per_J, per_I, turned, orbit_change, &ds, &dw);
         double inside = -a * dw - r * ds, outside = r * ds - b * dw;
         spin[j] += ds;
         w[j] += dw;
@@ -227,7 +227,7 @@ static void RS_SET(rs_plane_rates)(rs_bearing *p, const double *head) {
     rs_given ui = p->rolling[0], uo = p->rolling[1], di = p->rate[0], dn = p->rate[1];
     rs_given Ei = p->elastic[0], Eo = p->elastic[1], push = p->push, lift = p->lift, moment = p->moment;
     rs_column orbit = p->rate_of[ORBIT], spin = p->rate_of[SPIN], rise = p->rate_of[RISE];
-    rs_column moved = p->rate_of[POSITION], lifted = p->rate_of[RADIAL];
+    rs_column position = p->rate_of[POSITION], lifted = p->rate_of[RADIAL];
     rs_column rx = p->added[TO_RING_X], ry = p->added[TO_RING_Y], rings = p->added[TO_WORK_RINGS];
     rs_column gravity = p->added[TO_WORK_GRAVITY], raceways = p->added[TO_WORK_RACEWAYS];
     rs_column lost_i = p->added[TO_LOST_INNER], lost_o = p->added[TO_LOST_OUTER], rolled = p->added[TO_LOST_ROLLING];
@@ -241,7 +241,7 @@ static void RS_SET(rs_plane_rates)(rs_bearing *p, const double *head) {
         double torque = Fi[j] * (Ri + along + r) + Si[j] * (Ri + along - r) - Ni[j] * across
             + Fo[j] * (Ro - r) - So[j] * (Ro + r) - push[j] * (R + cage_along) + lift[j] * cage_across + weight
             - turning[j];
-        moved[j] = R * (w[j] - wc);
+        position[j] = R * (w[j] - wc);
         orbit[j] = (torque * per_radius * per_m - 2.0 * v[j] * w[j]) * per_radius;
         spin[j] = (r * (Fi[j] - Si[j] - Fo[j] - So[j]) - moment[j]) * per_inertia;
         lifted[j] = v[j];

@@ -134,24 +134,24 @@ cdef inline int rs_rates(const rs_system *s, double t, const double *y, double *
 # Derivatives ---------------------------------------------------------------------------------------------------------
 
 
-cdef inline double rs_moved(const rs_system *s, const double *y, size_t i, double by) noexcept nogil:
+cdef inline double rs_shifted(const rs_system *s, const double *y, size_t i, double by) noexcept nogil:
     return y[i] + by * (fabs(y[i]) if fabs(y[i]) > s.scale[i] else s.scale[i])
 
 
-cdef inline int rs_at_moved(
+cdef inline int rs_at_shifted(
     const rs_system *s, double t, const double *y, size_t column, double by, double *u, double *raw
 ) noexcept nogil:
     """Rates with one unknown of the head, or one of every roller (column >= H), moved; ``u`` is a copy of y."""
     cdef size_t j, i
     cdef int status
     if column < s.head:
-        u[column] = rs_moved(s, y, column, by)
+        u[column] = rs_shifted(s, y, column, by)
         status = rs_raw(s, t, u, raw)
         u[column] = y[column]
         return status
     for j in range(s.rollers):
         i = column + j * s.block
-        u[i] = rs_moved(s, y, i, by)
+        u[i] = rs_shifted(s, y, i, by)
     status = rs_raw_rollers(s, t, u, raw)
     memcpy(u + s.head, y + s.head, s.rollers * s.block * sizeof(double))
     i = s.head + s.ledger
@@ -172,7 +172,7 @@ cdef inline void rs_column(
     minus += sums
     plus += sums
     if column < H:
-        width = rs_moved(s, y, column, high) - rs_moved(s, y, column, low)
+        width = rs_shifted(s, y, column, high) - rs_shifted(s, y, column, low)
         for i in range(sums):
             out.head_head[i * H + column] = (plus - sums)[i] - (minus - sums)[i]
         for j in range(s.rollers):
@@ -189,7 +189,7 @@ cdef inline void rs_column(
     b = column - H
     for j in range(s.rollers):
         i = column + j * B
-        width = rs_moved(s, y, i, high) - rs_moved(s, y, i, low)
+        width = rs_shifted(s, y, i, high) - rs_shifted(s, y, i, low)
         for i in range(B):
             out.roller_roller[(j * B + i) * B + b] = (plus[j * B + i] - minus[j * B + i]) / width
         for i in range(W):
@@ -206,19 +206,19 @@ cdef inline int rs_differences(
     """
     cdef double step = RS_CENTRAL if central else RS_FORWARD
     cdef size_t column
-    cdef int status, one
+    cdef int status, status_above
     memcpy(u, y, rs_unknowns(s) * sizeof(double))
     for column in range(s.head + (s.block if s.rollers else 0)):
         evaluations[0] += 1
-        one = status = rs_at_moved(s, t, y, column, step, u, plus)
+        status_above = status = rs_at_shifted(s, t, y, column, step, u, plus)
         if status == RS_RAISED:
             return status
         if status != 0 or central:
             evaluations[0] += 1
-            status = rs_at_moved(s, t, y, column, -step, u, minus)
-            if status == RS_RAISED or (status != 0 and one != 0):
+            status = rs_at_shifted(s, t, y, column, -step, u, minus)
+            if status == RS_RAISED or (status != 0 and status_above != 0):
                 return status
-        if one != 0:
+        if status_above != 0:
             rs_column(s, y, column, 0.0, -step, base, minus, out)
         elif status != 0 or not central:
             rs_column(s, y, column, 0.0, step, base, plus, out)

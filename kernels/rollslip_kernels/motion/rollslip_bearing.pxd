@@ -59,7 +59,7 @@ cdef inline int rs_hold_friction(rs_bearing *c, int ring, double *resistance) no
     cdef rs_raceway *w = &c.raceway[ring]
     cdef rs_linear_friction *linear = &c.linear[ring]
     cdef size_t j, n = w.rollers
-    cdef double *beside = c.room
+    cdef double *shifted = c.room
     cdef double *unit = linear.by_root
     cdef const double *by = c.force[ring]
     cdef const double *sliding = c.sliding[ring]
@@ -67,19 +67,19 @@ cdef inline int rs_hold_friction(rs_bearing *c, int ring, double *resistance) no
     cdef int status
     for j in range(n):
         unit[j] = 1.0
-        beside[j] = sliding[j] + 1e-6 * (1.0 + fabs(sliding[j]))
+        shifted[j] = sliding[j] + 1e-6 * (1.0 + fabs(sliding[j]))
     linear.resists = w.friction == RS_CONVENTIONAL and w.resists
     if w.friction != RS_CONVENTIONAL:
         by, resistance = unit, NULL
     # the slopes first, so that what the chain leaves in its table is of these speeds
-    status = rs_raceway_friction(w, c.load_of[ring], by, beside, c.rolling[ring], linear.force_slope, resistance)
+    status = rs_raceway_friction(w, c.load_of[ring], by, shifted, c.rolling[ring], linear.force_slope, resistance)
     if status == 0:
         status = rs_raceway_friction(w, c.load_of[ring], by, sliding, c.rolling[ring], linear.by_force, resistance)
     if status != 0:
         return status
     for j in range(n):
         unloaded = 1.0 / by[j] if by[j] > 0.0 else 0.0
-        linear.force_slope[j] = (linear.force_slope[j] - linear.by_force[j]) / (beside[j] - sliding[j]) * unloaded
+        linear.force_slope[j] = (linear.force_slope[j] - linear.by_force[j]) / (shifted[j] - sliding[j]) * unloaded
         linear.by_force[j] *= unloaded
         if linear.resists:
             linear.resistance[j], linear.resistance_slope[j] = resistance[j], 0.0

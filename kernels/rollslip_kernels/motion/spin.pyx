@@ -482,7 +482,7 @@ cdef class Spin:
         cdef Py_ssize_t K = self.rollers
         cdef Py_ssize_t row = 0
         cdef Py_ssize_t k, i, j, searching
-        cdef double x, one, two, weight, miss, flatness
+        cdef double x, at_inner, at_outer, weight, miss, flatness
         found = np.empty((n, K))
         missing = np.zeros((n, K), dtype=np.uint8)
         slopes = np.array(slope)
@@ -527,10 +527,10 @@ cdef class Spin:
                             continue
                         self.rings[INNER].lead[k] = leads[0] * target[k]
                         self.rings[OUTER].lead[k] = leads[1] * target[k]
-                        one = ends[0, k] * rolls * target[k]
-                        two = ends[1, k] * rolls * target[k]
-                        low[k] = min(one, two)
-                        high[k] = max(one, two)
+                        at_inner = ends[0, k] * rolls * target[k]
+                        at_outer = ends[1, k] * rolls * target[k]
+                        low[k] = min(at_inner, at_outer)
+                        high[k] = max(at_inner, at_outer)
                         x = 0.0 if n_last[k] else 0.5 * (ends[0, k] + ends[1, k])
                         for i in range(n_last[k]):
                             weight = 1.0
@@ -788,15 +788,15 @@ cdef class Spin:
         cdef Py_ssize_t a = 0
         cdef Py_ssize_t some = 0
         cdef Py_ssize_t w, k
-        cdef double one, two, fraction
+        cdef double lower, upper, fraction
         while a < count:
             w = walking[a]
             if w % 2 == 0 and a + 1 < count and walking[a + 1] == w + 1:
-                one = out[w * K]
-                two = out[(w + 1) * K]
+                lower = out[w * K]
+                upper = out[(w + 1) * K]
                 a += 2
-                if fabs(walkers[w].end - walkers[w + 1].end) <= SAME_END * width[w // 2] and one != two:
-                    fraction = (0.5 * (walkers[w].end + walkers[w + 1].end) - one) / (two - one)
+                if fabs(walkers[w].end - walkers[w + 1].end) <= SAME_END * width[w // 2] and lower != upper:
+                    fraction = (0.5 * (walkers[w].end + walkers[w + 1].end) - lower) / (upper - lower)
                     fraction = min(max(fraction, 0.0), 1.0)
                     for k in range(K):
                         out[w * K + k] += fraction * (out[(w + 1) * K + k] - out[w * K + k])
@@ -916,8 +916,8 @@ cdef class Spin:
         cdef double[::1] torque = torques
         cdef unsigned char[::1] is_found = found
         cdef double *spin = self._scratch(0)
-        cdef double *slip_beside = self._scratch(1)
-        cdef double *spin_beside = self._scratch(2)
+        cdef double *shifted_slip = self._scratch(1)
+        cdef double *shifted_spin = self._scratch(2)
         cdef double *cage = self._scratch(7)
         with nogil:
             for r in range(n):
@@ -947,8 +947,8 @@ cdef class Spin:
                 if status == NOT_FOUND:
                     for k in range(K):
                         out[r, k] = guess[r, k]
-                        slip_beside[k] = guess[r, k] + DIFFERENCE_STEP
-                    status = self._torques(slip_beside, spin_beside, cage, K)
+                        shifted_slip[k] = guess[r, k] + DIFFERENCE_STEP
+                    status = self._torques(shifted_slip, shifted_spin, cage, K)
                     if status != FOUND:
                         break
                 status = self._torques(&out[r, 0], spin, cage, K)
@@ -957,7 +957,7 @@ cdef class Spin:
                 if not is_found[r]:
                     sum = 0.0
                     for k in range(K):
-                        sum += (spin_beside[k] - spin[k]) / DIFFERENCE_STEP
+                        sum += (shifted_spin[k] - spin[k]) / DIFFERENCE_STEP
                     multiplier[r] = _multiplier(sum / inertia[r] if inertia[r] > 0.0 else MAX_EXPONENT)
                 sum = 0.0
                 for k in range(K):

@@ -70,10 +70,10 @@ typedef struct {
     double (*flight)(double t, const double *y, const double *rates, double max_time, void *speeds_state);
     /* Contacts that close and open, apart from all other forces, so that substeps resolve their oscillations;
        NULL: not separated.
-       While *apart is not 0, linearised_rates leaves contacts out. go drifts by h from t on, and in parts of h adds to
-       speeds and ledger what contacts do, with the damping at the speeds in the middle. clear: whether no contact
-       closes within a time h from where linearised_rates was called last, at the speeds there. */
-    int *apart;
+       While *separate_contacts is not 0, linearised_rates leaves contacts out. go drifts by h from t on, and in
+       parts of h adds to speeds and ledger what contacts do, with the damping at the speeds in the middle. clear:
+       whether no contact closes within a time h from where linearised_rates was called last, at the speeds there. */
+    int *separate_contacts;
     int (*go)(double t, double h, size_t parts, double *y, void *state);
     int (*clear)(double h, void *speeds_state);
     /* values recorded of each roller, as the ledger is of all; 0 of systems that record none */

@@ -83,12 +83,12 @@ cdef class System:
 
     def linearised_rates(
         self, double since, at: ArrayLike, double t, y: ArrayLike, double half=0.0, before: ArrayLike | None = None,
-        bint apart=False,
+        bint separate_contacts=False,
     ) -> Array | None:
         """Return all rates at (t, y) with friction linearised at (since, at); None where none is linearised.
 
-        With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for; ``apart`` leaves out
-        contacts, for which `go` takes substeps.
+        With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for;
+        ``separate_contacts`` leaves out contacts, for which `go` takes substeps.
         """
         cdef double[::1] then = self._unknowns(at), given = self._unknowns(y), rates = np.empty(1 + self.n)
         cdef double[::1] old = np.zeros(self.n) if before is None else self._unknowns(before)
@@ -97,11 +97,11 @@ cdef class System:
         if self.c.renew == NULL:
             return None
         self._check(self.c.renew(since, &then[0], False, report, self.c.state), since)
-        if apart:
-            self.c.apart[0] = 1
+        if separate_contacts:
+            self.c.separate_contacts[0] = 1
         status = self.c.linearised_rates(t, &given[0], half, &old[0], &rates[0], self.c.state)
-        if apart:
-            self.c.apart[0] = 0
+        if separate_contacts:
+            self.c.separate_contacts[0] = 0
         self._check(status, t)
         return np.asarray(rates)[:self.n]
 

@@ -122,7 +122,7 @@ cdef inline bint _contains(const varying_t *v, const box_t *box, const double *x
     return True
 
 
-cdef int _look(varying_t *v, double t) noexcept nogil:
+cdef int _interpolate(varying_t *v, double t) noexcept nogil:
     """Find the stations around the operation at a time, their weights, and set the speeds of the rings; 0 or -1."""
     cdef double x[AXES_CAPACITY]
     cdef double along[AXES_CAPACITY][NODES]
@@ -199,7 +199,7 @@ cdef int _blended(
 ) noexcept nogil:
     """Rates of the stations around the operation at a time, blended: n rates, and what is added to others."""
     cdef size_t k
-    cdef int status = _look(v, t)
+    cdef int status = _interpolate(v, t)
     if status == 0 and v.used == 1:
         v.refused = v.which[0]
         return _evaluate(v.stations[v.refused].system, what, t, y, rollers, rates, added)
@@ -238,7 +238,7 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     cdef double limit, speed, cage = y[v.cage_speed]
     cdef double own[MAX_WATCHED]
     cdef size_t i, k
-    cdef int status = _look(v, t)
+    cdef int status = _interpolate(v, t)
     if status != 0:
         return status
     limit = _value(&v.course[LIMIT], t)
@@ -261,7 +261,7 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
 
 cdef int _renew(double t, const double *y, int compared, double *report, void *state) noexcept nogil:
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    cdef int status = _look(<varying_t *>state, t)
+    cdef int status = _interpolate(<varying_t *>state, t)
     return status if status != 0 else s.renew(t, y, compared, report, s.state)
 
 
@@ -269,13 +269,13 @@ cdef int _linearised_rates(
     double t, const double *y, double half, const double *before, double *rates, void *state
 ) noexcept nogil:
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    cdef int status = _look(<varying_t *>state, t)
+    cdef int status = _interpolate(<varying_t *>state, t)
     return status if status != 0 else s.linearised_rates(t, y, half, before, rates, s.state)
 
 
 cdef int _go(double t, double h, size_t parts, double *y, void *state) noexcept nogil:
     cdef const rs_system *s = (<varying_t *>state).stations[0].system
-    cdef int status = _look(<varying_t *>state, t)
+    cdef int status = _interpolate(<varying_t *>state, t)
     return status if status != 0 else s.go(t, h, parts, y, s.state)
 
 
@@ -457,7 +457,7 @@ cdef class Varying:
         times, states = np.array(t, dtype=float, ndmin=1), np.array(y, dtype=float, ndmin=2)
         found = {}
         for i in range(times.size):
-            if _look(&self.v, times[i]) != 0:
+            if _interpolate(&self.v, times[i]) != 0:
                 raise RuntimeError("the stations around an operation are not known")
             row = {}
             for k in range(self.v.used):

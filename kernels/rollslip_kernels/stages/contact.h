@@ -15,7 +15,7 @@ STAGE(hertz_line, COL_load, COL_half_width | COL_pressure) {
     return 0;
 }
 
-RS_INLINE double PATH(within_one)(double x) {
+RS_INLINE double PATH(clamped_unit)(double x) {
     return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
 }
 
@@ -57,7 +57,7 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
     }
     EACH(i, n) {
         double smaller = rs_exp2_falling(-fabs(l[i]) * inverse[i]);
-        pressure[i] = (l[i] < 0.0 ? l[i] : 0.0) - power[i] * rs_log2_plus_one(smaller);
+        pressure[i] = (l[i] < 0.0 ? l[i] : 0.0) - power[i] * rs_log2p1(smaller);
     }
     for (size_t i = 0; i < n; i++) L_max = L_max > L[i] ? L_max : L[i], L_min = L_min < L[i] ? L_min : L[i];
     if (L_max > last) {
@@ -66,7 +66,7 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
         for (int k = 0; k < LIGHT_LOADS - 1; k++) {
             double low = q->knots[k], per = 1.0 / (q->knots[k + 1] - low), step = q->rise[0][k + 1] - q->rise[0][k];
             EACH(i, n) {
-                part[i] = PATH(within_one)((l[i] - low) * per);
+                part[i] = PATH(clamped_unit)((l[i] - low) * per);
                 half_width[i] += step * part[i];
             }
             for (int j = 0; j < LIGHT_COLUMNS - 1 && q->columns[j] < L_max; j++) {
@@ -75,12 +75,12 @@ STAGE(light_contact, COL_load | COL_rolling_speed | COL_film_thickness, COL_half
                 if (L_min >= to)
                     EACH(i, n) half_width[i] += more * part[i];
                 else
-                    EACH(i, n) half_width[i] += more * PATH(within_one)((L[i] - from) * over) * part[i];
+                    EACH(i, n) half_width[i] += more * PATH(clamped_unit)((L[i] - from) * over) * part[i];
             }
         }
         EACH(i, n) {
             double tabled = half_width[i] < 0.0 ? half_width[i] : 0.0;
-            pressure[i] += PATH(within_one)((L[i] - last) * per_blend) * (tabled - pressure[i]);
+            pressure[i] += PATH(clamped_unit)((L[i] - last) * per_blend) * (tabled - pressure[i]);
         }
     }
     EACH(i, n) {

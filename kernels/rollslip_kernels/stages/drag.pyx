@@ -154,14 +154,14 @@ cdef struct stages_t:
 
 cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogil:
     cdef const stages_t *q = <const stages_t *>params
-    cdef double one[BLOCK]
+    cdef double term[BLOCK]
     cdef double total[BLOCK]
     cdef size_t start = 0, i
     cdef rs_slices part
     cdef int k, status
     while start < s.n:
         part = rs_cut(s, start, min(<size_t>BLOCK, s.n - start))
-        part.resistance = one
+        part.resistance = term
         for i in range(part.n):
             total[i] = 0.0
         for k in range(q.n):
@@ -171,7 +171,7 @@ cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogi
             if status != 0:
                 return status if status < 0 else <int>start + status
             for i in range(part.n):
-                total[i] += one[i]
+                total[i] += term[i]
         for i in range(part.n):
             s.resistance[start + i] = total[i]
         start += part.n

@@ -238,7 +238,7 @@ STAGE(inlet_layer, COL_film_thickness, COL_film_thickness) {
         double ratio = thin > MIN_RATIO * thick ? thin / thick : MIN_RATIO;
         double whole;
         double rest = rs_log2_parts(ratio, &whole);
-        double power = rs_log2_plus_one(rs_exp2_falling(exponent * (whole + rest)));
+        double power = rs_log2p1(rs_exp2_falling(exponent * (whole + rest)));
         film[i] = thin * rs_exp2_falling(back * power);
     }
     return 0;

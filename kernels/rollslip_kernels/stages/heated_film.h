@@ -39,7 +39,7 @@ static void PATH(film_friction)(const rs_slices *s, given newtonian, given fract
 RS_INLINE double PATH(at_least)(double x, double bound) { return x < bound ? bound : x; }   /* a NaN stays */
 
 /* sqrt(1 + x^2), whose square may overflow */
-RS_INLINE double PATH(hypot_one)(double x) {
+RS_INLINE double PATH(hypot_unit)(double x) {
     double square = x < 1e150 ? x * x : 0.0, root = sqrt(1.0 + square);
     return x < 1e150 ? root : x;
 }

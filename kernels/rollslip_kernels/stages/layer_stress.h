@@ -18,7 +18,7 @@
 #define LAYER_HEATING 1.001e3   /* Phi is 1e3 after rounding */
 #define LAYER_LINEAR 1e-9   /* sigma below which the law is linear to 1e-9 */
 #define FLOAT_LANES 16
-#define ONE_B 0.41421356237309503   /* exp(-S) and tanh(S/2) where B = 1 */
+#define B_UNITY 0.41421356237309503   /* exp(-S) and tanh(S/2) where B = 1 */
 #define PI2_6 1.6449340668482264
 
 RS_INLINE float single_of_bits(uint32_t bits) {
@@ -35,9 +35,9 @@ RS_INLINE uint32_t bits_of_single(float x) {
 
 /* x = (1 + f) 2^k, 1 + f in [sqrt(1/2), sqrt(2)), for 0 < x < inf; f */
 RS_INLINE float single_split(float x, float *k) {
-    uint32_t one = UINT32_C(0x3f800000), bits = bits_of_single(x), biased = (bits - UINT32_C(0x3f3504f3) + one) >> 23;
+    uint32_t unit = UINT32_C(0x3f800000), bits = bits_of_single(x), biased = (bits - UINT32_C(0x3f3504f3) + unit) >> 23;
     *k = single_of_bits(biased | UINT32_C(0x4b000000)) - (8388608.0f + 127.0f);
-    return single_of_bits(bits - (biased << 23) + one) - 1.0f;
+    return single_of_bits(bits - (biased << 23) + unit) - 1.0f;
 }
 
 /* log(x) for 0 < x < inf to 4e-4 */
@@ -115,13 +115,13 @@ RS_INLINE void PATH(layer_step)(
     }
     EACH(i, n) over[i] = layer_log(over[i]);
     EACH(i, n) {
-        float R = r[i], R2 = R * R, z = Z[i], wz = w[i] * z, one = 1.0f + R, sinh2 = g[i] * one;
+        float R = r[i], R2 = R * R, z = Z[i], wz = w[i] * z, R_plus = 1.0f + R, sinh2 = g[i] * R_plus;
         float inv = 1.0f / (sinh2 * (1.0f + R2)), coth = (1.0f + R2) * (1.0f + R2) * inv;
         float per_sinh = 2.0f * R * (1.0f + R2) * inv;
         float zc = z * coth, zs = z * per_sinh, S = z, rise = wz, f, d, dd;
         if (with_layer) {
             float t = g[i] * g[i] * (1.0f + R2) * inv, th = sinh2 * sinh2 * inv;   /* tanh(Z/2), tanh Z */
-            int low = t <= (float)ONE_B;
+            int low = t <= (float)B_UNITY;
             float v = low ? t * t : R2, A = R * t, a = -A * (1.0f + A * (0.5f + A * 0.39f));
             float logB = z - R * (1.9999980f + R2 * (0.6670434f + R2 * (0.3892839f + R2 * 0.3797007f)));
             float G = (low ? 1.999992888f : -3.499992942f) + v * ((low ? 2.223542124f : -1.209643956f)
@@ -158,7 +158,7 @@ RS_INLINE void PATH(layer_root)(
     EACH(i, n) {
         double x = -(double)zf[i], t = RS_FMA(x, RS_INV_LN2, RS_ROUND), k = t - RS_ROUND;
         double f = RS_FMA(k, -RS_LN2_LOW, RS_FMA(k, -RS_LN2_HIGH, x));
-        double p = RS_FMA(f * f, rs_exp_rest(f), f), scale = rs_of_bits((rs_bits(t) << 52) + RS_ONE);
+        double p = RS_FMA(f * f, rs_exp_rest(f), f), scale = rs_of_bits((rs_bits(t) << 52) + RS_UNITY_BITS);
         r[i] = RS_FMA(scale, p, scale);
         g[i] = RS_FMA(-scale, p, 1.0 - scale);
     }
@@ -169,12 +169,12 @@ RS_INLINE void PATH(layer_root)(
     }
     EACH(i, n) {
         double k, m = rs_split_normal(y[i], &k);
-        y[i] = RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_near_one(m - 1.0)));
+        y[i] = RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_reduced(m - 1.0)));
     }
     if (elastic) {
         EACH(i, n) {
             double R = r[i], R2 = R * R, t = g[i] * g[i] * ((1.0 + R2) * inv[i] * s[i]);
-            int low = t <= ONE_B;
+            int low = t <= B_UNITY;
             double v = low ? t * t : R2, v2 = R2 * R2, a, logB, art;   /* 2 artanh(r)/r of r^2 */
             art = RS_FMA(RS_FMA(0x1.ea3d85f80c325p-3, R2, 0x1.c3f0fa564df9bp-7), R2, 0x1.067fe0b302ac1p-3);
             art = RS_FMA(art, R2, 0x1.d1b39aa3168d2p-4);
@@ -193,7 +193,7 @@ RS_INLINE void PATH(layer_root)(
     EACH(i, n) {
         double R = r[i], R2 = 1.0 + R * R, sinh2 = g[i] * (1.0 + R), z = (double)zf[i], per = inv[i] * s[i];
         double coth = R2 * R2 * per, per_sinh = 2.0 * R * (R2 * per), zc = z * coth, zs = z * per_sinh, wz = w[i] * z;
-        double S = z, dS = 1.0, ddS = 0.0, f, d, dd, step, moved;
+        double S = z, dS = 1.0, ddS = 0.0, f, d, dd, step, step_of_Z;
         if (elastic) {
             double t = g[i] * g[i] * (R2 * per), th = sinh2 * sinh2 * per, A = R * t, A2 = A * A;
             double half = 0.5 * deborah[i] * (sinh2 * R2 * inv[i]);   /* D/(2 s) */
@@ -210,8 +210,8 @@ RS_INLINE void PATH(layer_root)(
         d = zc + wz * dS;
         dd = zc - zs * zs + wz * (dS + z * ddS);
         step = 2.0 * f * d / (2.0 * d * d - f * dd);
-        moved = -z * (step * (1.0 - 0.5 * step));
-        stress[i] = S + moved * (dS + 0.5 * moved * ddS);
+        step_of_Z = -z * (step * (1.0 - 0.5 * step));
+        stress[i] = S + step_of_Z * (dS + 0.5 * step_of_Z * ddS);
         beyond[i] = fabs(step) < LAYER_STEP ? 0.0 : 1.0;
     }
 }

@@ -64,14 +64,14 @@ typedef struct {   /* the same in single precision, and what a step of Newton's 
 /* log(x) of a normal x > 0 */
 RS_INLINE double local_log(double x) {
     double k, m = rs_split_normal(x, &k);
-    return RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_near_one(m - 1.0)));
+    return RS_FMA(k, RS_LN2_HIGH, RS_FMA(k, RS_LN2_LOW, rs_log_reduced(m - 1.0)));
 }
 #endif
 
 /* m(s, bound), the smaller root of (1 - d) m^2 - (s + bound) m + s bound = 0, d = s/((s + corner bound)(1 + s)) */
 RS_INLINE double PATH(local_lesser)(double s, double bound) {
-    double d = s / ((s + LOCAL_CORNER * bound) * (1.0 + s)), apart = s - bound;
-    return 2.0 * s * (bound / (s + bound + sqrt(apart * apart + 4.0 * d * s * bound)));
+    double d = s / ((s + LOCAL_CORNER * bound) * (1.0 + s)), excess = s - bound;
+    return 2.0 * s * (bound / (s + bound + sqrt(excess * excess + 4.0 * d * s * bound)));
 }
 
 /* One step of Newton's method for the three unknowns, in ln(sinh s) to second order */
@@ -88,8 +88,8 @@ static void PATH(local_step)(size_t n, local_start *__restrict a) {
         float *__restrict rise = a->rise[j];
         EACH(i, n) {
             float s = stress[i], b = bound[i], at = s + (float)LOCAL_CORNER * b, per = 1.0f / (at * (1.0f + s));
-            float d = s * per, slope = per * ((float)LOCAL_CORNER * b / at - d * at), apart = s - b;
-            float root = sqrtf(apart * apart + 4.0f * d * s * b), sum = s + b + root, inverse = 1.0f / (sum * root);
+            float d = s * per, slope = per * ((float)LOCAL_CORNER * b / at - d * at), excess = s - b;
+            float root = sqrtf(excess * excess + 4.0f * d * s * b), sum = s + b + root, inverse = 1.0f / (sum * root);
             float m = 2.0f * s * b * root * inverse;
             S[i] += w * m;
             rise[i] = w * s * (b - m - slope * m * m) * (sum * inverse);
@@ -170,7 +170,7 @@ RS_INLINE void PATH(local_first)(size_t n, local_start *__restrict a) {
 
 /* S of slices, and the largest last step in ln s_i of each */
 static void PATH(local_stress)(
-    size_t n, const local_groups *__restrict groups, int steps, filled S, filled moved
+    size_t n, const local_groups *__restrict groups, int steps, filled S, filled last_step
 ) {
     local_start a;
     double r[LOCAL_POINTS][BLOCK];
@@ -192,7 +192,7 @@ static void PATH(local_stress)(
     }
     PATH(local_first)(whole, &a);
     for (int k = 0; k < steps; k++) PATH(local_step)(whole, &a);
-    EACH(i, n) S[i] = moved[i] = 0.0;
+    EACH(i, n) S[i] = last_step[i] = 0.0;
     for (int j = 0; j < LOCAL_POINTS; j++) {
         EACH(i, n) S[i] += local_weight[j] * PATH(local_lesser)((double)a.s[j][i], groups->bound[i]);
     }
@@ -213,7 +213,7 @@ static void PATH(local_stress)(
             / (double)a.whole[i];
         for (int j = 0; j < LOCAL_POINTS; j++) {
             double step = fabs(r[j][i] - (double)a.cool[j][i] * less);
-            moved[i] = step <= moved[i] ? moved[i] : step;
+            last_step[i] = step <= last_step[i] ? last_step[i] : step;
         }
         S[i] -= less;
     }
@@ -265,14 +265,14 @@ static double PATH(local_bracketed)(const local_groups *groups, size_t i) {
 
 /* S of the slices that moved far, gathered */
 static __attribute__((noinline)) void PATH(local_again)(
-    size_t n, const local_groups *__restrict groups, filled S, given moved
+    size_t n, const local_groups *__restrict groups, filled S, given last_step
 ) {
     local_groups part;
     double stress[BLOCK], far[BLOCK];
     size_t index[BLOCK + 1], m = 0, whole;
     for (size_t i = 0; i < n; i++) {
         index[m] = i;
-        m += !(moved[i] < LOCAL_FAR);
+        m += !(last_step[i] < LOCAL_FAR);
     }
     whole = WHOLE(m + LANES - 1);
     for (size_t k = 0; k < whole; k++) {   /* the last one fills its vector */
@@ -286,8 +286,8 @@ static __attribute__((noinline)) void PATH(local_again)(
     }
     PATH(local_stress)(whole, &part, LOCAL_STEPS_AGAIN, stress, far);
     for (size_t k = 0; k < m; k++) {
-        int settled = far[k] < LOCAL_FAR && part.l[LOCAL_POINTS - 1][k] < (double)LOCAL_HUGE;
-        S[index[k]] = settled ? stress[k] : PATH(local_bracketed)(&part, k);
+        int converged = far[k] < LOCAL_FAR && part.l[LOCAL_POINTS - 1][k] < (double)LOCAL_HUGE;
+        S[index[k]] = converged ? stress[k] : PATH(local_bracketed)(&part, k);
     }
 }
 
@@ -324,7 +324,7 @@ STAGE(maxwell_eyring_local, LOCAL_READS, COL_friction) {
     const double *rolling = s->rolling_speed, *sliding = s->sliding_speed, *width = s->half_width;
     const double *film = s->film_thickness, *pressure = s->pressure;
     double *friction = s->friction, viscosity[LOCAL_POINTS][BLOCK], fall[LOCAL_POINTS][BLOCK];
-    double rate[BLOCK], flash[BLOCK], across[BLOCK], S[BLOCK], moved[BLOCK];
+    double rate[BLOCK], flash[BLOCK], across[BLOCK], S[BLOCK], last_step[BLOCK];
     double tau0 = s->eyring_stress, modulus = s->shear_modulus, K = s->conductivity;
     double hot = q->flash / (sqrt(RS_PI) * s->effusivity), capacity = q->heat_capacity / K;
     double thin = 1.0 / (8.0 * K);
@@ -353,9 +353,9 @@ STAGE(maxwell_eyring_local, LOCAL_READS, COL_friction) {
             groups.g[j][i] = flash[i] * fall[j][i];
         }
     }
-    PATH(local_stress)(n, &groups, LOCAL_STEPS, S, moved);
-    for (size_t i = 0; i < n; i++) far |= (uint64_t)!(moved[i] < LOCAL_FAR);
-    if (far) PATH(local_again)(n, &groups, S, moved);
+    PATH(local_stress)(n, &groups, LOCAL_STEPS, S, last_step);
+    for (size_t i = 0; i < n; i++) far |= (uint64_t)!(last_step[i] < LOCAL_FAR);
+    if (far) PATH(local_again)(n, &groups, S, last_step);
     EACH(i, n) {
         double V = fabs(sliding[i]), V_min = LOCAL_LINEAR * rolling[i];
         double factor = (tau0 + q->rise.stress * pressure[i]) / pressure[i];

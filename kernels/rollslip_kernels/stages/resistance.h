@@ -68,7 +68,7 @@ STAGE(rolling_resistance, COL_load | COL_rolling_speed, COL_resistance) {
     EACH(i, n) {
         double fall = 0.17 * PATH(log2_normal)(1.0 + M[i] / 210.0);
         double x = fall + RS_FMA(0.5, PATH(log2_normal)(M[i]), elastic[i]);   /* log2(a/e) */
-        double power = rs_log2_plus_one(rs_exp2_falling(-4.1 * fabs(x)));
+        double power = rs_log2p1(rs_exp2_falling(-4.1 * fabs(x)));
         double less = rs_exp2_falling(RS_FMA(-1.0 / 4.1, power, x > 0.0 ? -x : 0.0));
         double wide = sqrt((8.0 / RS_PI * M[i] + 2.1 * thick[i]) * M[i] + 4.9);
         double a = RIGID_RESISTANCE * sqrt(viscosity * speed[i] * load[i]);
@@ -100,7 +100,7 @@ STAGE(power_resistance, COL_load | COL_rolling_speed, COL_resistance) {
     EACH(i, n) {
         double a = RIGID_RESISTANCE * sqrt(viscosity * speed[i] * load[i]), large = x[i] > 1.0 ? x[i] : 1.0;
         double small = x[i] < 1.0 / large ? x[i] : 1.0 / large, square = small * small;
-        out[i] = factor[i] * (a / large) * rs_exp2_falling(-0.2 * rs_log2_plus_one(square * square * small));
+        out[i] = factor[i] * (a / large) * rs_exp2_falling(-0.2 * rs_log2p1(square * square * small));
     }
     return 0;
 }

@@ -7,7 +7,7 @@
  *     mean = 1 - exp(-eps) - exp(-2 eps) [N(2 eps) - N(2 r) - N(eps) + N(r)]/P
  *
  * - Both differences cancel while S is nearly eps x; there quadrature in v is exact.
- * - Which of three ways a slice takes, early, rising or settling, is its own: they are gathered and done apart. */
+ * - Which of three ways a slice takes, early, rising or falling, is its own: each kind is gathered. */
 
 /* t = exp(-w t) [1 + (c exp(-w t))^2]^((n - 1)/2), c = eta V/(h G)      [Carreau 1972, Bair 2019] */
 static void PATH(carreau_fraction)(
@@ -16,7 +16,7 @@ static void PATH(carreau_fraction)(
     double thinned[BLOCK], c[BLOCK];
     EACH(i, n) thinned[i] = rs_exp(-softening[i] * t[i]);
     EACH(i, n) {
-        c[i] = PATH(hypot_one)(strain[i] * thinned[i]);
+        c[i] = PATH(hypot_unit)(strain[i] * thinned[i]);
         fall[i] = softening[i] * t[i] * (exponent[i] + (1.0 - exponent[i]) / c[i] / c[i]);
     }
     EACH(i, n) value[i] = thinned[i] * rs_pow(c[i], exponent[i] - 1.0);
@@ -33,7 +33,7 @@ STAGE(carreau, HEATED_FILM, COL_friction) {
         exponent[i] = q->exponent;
     }
     PATH(newtonian_bound)(n, softening, bound);
-    EACH(i, n) fraction[i] = rs_pow(PATH(hypot_one)(strain[i]), exponent[i] - 1.0);
+    EACH(i, n) fraction[i] = rs_pow(PATH(hypot_unit)(strain[i]), exponent[i] - 1.0);
     EACH(i, n) fraction[i] = bound[i] < fraction[i] ? bound[i] : fraction[i];
     PATH(softened)(n, PATH(carreau_fraction), softening, strain, exponent, fraction);
     PATH(film_friction)(s, newtonian, fraction);
@@ -57,9 +57,9 @@ static void PATH(scaled_integral)(size_t n, given x, filled result) {
     for (int k = 1; k < 160 && going; k += 4) {
         double a = 1.0 / k, b = 1.0 / (k + 1), c = 1.0 / (k + 2), d = 1.0 / (k + 3);
         EACH(i, n) {
-            double one = term[i] * (at[i] * a), two = one * (at[i] * b), three = two * (at[i] * c);
-            term[i] = three * (at[i] * d);
-            result[i] = (((result[i] + one * a) + two * b) + three * c) + term[i] * d;
+            double term_a = term[i] * (at[i] * a), term_b = term_a * (at[i] * b), term_c = term_b * (at[i] * c);
+            term[i] = term_c * (at[i] * d);
+            result[i] = (((result[i] + term_a * a) + term_b * b) + term_c * c) + term[i] * d;
         }
         going = 0;
         for (size_t i = 0; i < n; i++) going |= (uint64_t)(term[i] > 1e-17 * result[i]);
@@ -165,7 +165,7 @@ static void PATH(rising_distance)(size_t n, given eps, given at_eps, given gap, 
 }
 
 /* The same for r <= 1, by v of r = eps exp(-v): v - N(r) = T, concave */
-static void PATH(settling_distance)(size_t n, given eps, given gap, filled distance) {
+static void PATH(falling_distance)(size_t n, given eps, given gap, filled distance) {
     double target[BLOCK], v[BLOCK], r[BLOCK], scaled[BLOCK], step[BLOCK], moving[BLOCK];
     uint64_t any = 1;
     EACH(i, n) step[i] = rs_exp(eps[i] > 600.0 ? 600.0 : eps[i]);
@@ -194,21 +194,21 @@ static void PATH(late_transit)(size_t n, given eps, given p, filled mean, filled
     EACH(i, n) decay[i] = rs_exp(-eps[i]);
     EACH(i, n) gap[i] = at_eps[i] - p[i];   /* exp(-eps) Ei(r) */
     for (size_t i = 0; i < n; i++) {
-        int settling = !(gap[i] > 2.0 * decay[i]);
-        index[settling][m[settling]++] = i;
+        int falling = !(gap[i] > 2.0 * decay[i]);
+        index[falling][m[falling]++] = i;
     }
-    for (int settling = 0; settling < 2; settling++) {
-        size_t count = m[settling], whole = WHOLE(count + LANES - 1);
+    for (int falling = 0; falling < 2; falling++) {
+        size_t count = m[falling], whole = WHOLE(count + LANES - 1);
         if (count == 0) continue;
-        PATH(gather)(count, index[settling], eps, a);
-        PATH(gather)(count, index[settling], gap, b);
-        if (settling) {
-            PATH(settling_distance)(whole, a, b, end);
+        PATH(gather)(count, index[falling], eps, a);
+        PATH(gather)(count, index[falling], gap, b);
+        if (falling) {
+            PATH(falling_distance)(whole, a, b, end);
         } else {
-            PATH(gather)(count, index[settling], at_eps, c);
+            PATH(gather)(count, index[falling], at_eps, c);
             PATH(rising_distance)(whole, a, c, b, end);
         }
-        for (size_t i = 0; i < count; i++) distance[index[settling][i]] = end[i];
+        for (size_t i = 0; i < count; i++) distance[index[falling][i]] = end[i];
     }
     EACH(i, n) a[i] = 2.0 * eps[i];
     PATH(scaled_integral)(n, a, mean);

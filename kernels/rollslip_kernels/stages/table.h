@@ -47,7 +47,7 @@ typedef struct {
     X(muraki) X(maxwell_eyring) X(maxwell_eyring_local) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
     X(power_fraction) X(exponential_fraction) X(greenwood_tripp_fraction) X(blend)
-#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one) \
+#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2p1) \
     X(exp_normal) X(expm1_falling)
 
 /* Of n values of sigma, D and Phi */

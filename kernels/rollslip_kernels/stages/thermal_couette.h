@@ -6,7 +6,7 @@ static void PATH(conducted)(size_t n, given square, filled value, filled rise) {
     EACH(i, n) x[i] = sqrt(PATH(at_least)(square[i], NO_EFFECT * NO_EFFECT));
     EACH(i, n) value[i] = rs_asinh(x[i]);
     EACH(i, n) {
-        double c = PATH(hypot_one)(x[i]), ratio = value[i] / x[i];
+        double c = PATH(hypot_unit)(x[i]), ratio = value[i] / x[i];
         value[i] = ratio / c;
         rise[i] = 0.5 * (1.0 / (c * ratio) - 1.0 - (x[i] / c) * (x[i] / c));
     }

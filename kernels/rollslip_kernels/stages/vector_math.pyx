@@ -65,9 +65,9 @@ def exp2_falling(x: ArrayLike, simd: str | None = None) -> Array:
     return _map(_blocks(simd).exp2_falling, x)
 
 
-def log2_plus_one(x: ArrayLike, simd: str | None = None) -> Array:
+def log2p1(x: ArrayLike, simd: str | None = None) -> Array:
     """log2(1 + x) for 0 <= x <= 1, right to an absolute error."""
-    return _map(_blocks(simd).log2_plus_one, x)
+    return _map(_blocks(simd).log2p1, x)
 
 
 def exp_normal(x: ArrayLike, simd: str | None = None) -> Array:

@@ -92,7 +92,7 @@ STAGE(roelands, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
         double log_ambient = rs_log(ambient), per_pole = 1.0 / pole;
         EACH(i, n) {
             double power, m = rs_split_normal(RS_FMA(pressure[i], per_pole, 1.0), &power);
-            x[i] = RS_FMA(power, RS_LN2, rs_log_near_one(m - 1.0));
+            x[i] = RS_FMA(power, RS_LN2, rs_log_reduced(m - 1.0));
         }
         EACH(i, n) y[i] = rs_exp_normal(rs_clamped(z * x[i], -700.0, 700.0));
         EACH(i, n) {
