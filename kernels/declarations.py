@@ -123,8 +123,8 @@ def stub(source: Path) -> str:
     text = re.sub(
         r'"""(.*?)(?:\n.*?)?"""', r'"""\1"""', source.read_text(encoding="utf-8"), flags=re.DOTALL
     )
-    beside = source.with_suffix(".pxd")
-    attributes = members((beside.read_text(encoding="utf-8") if beside.exists() else "") + text)
+    header = source.with_suffix(".pxd")
+    attributes = members((header.read_text(encoding="utf-8") if header.exists() else "") + text)
     lines = list[str]()
     decorator = cls = ""
     for item in ITEM.finditer(text):

@@ -53,10 +53,10 @@ def _rows(n: int) -> NDArray[np.float64]:
     """
     if n < _LARGE:
         return np.empty((len(_ROWS), n))
-    apart = -(-n // 512) * 512 + 40
-    memory = np.empty(len(_ROWS) * apart + 8)
+    row_length = -(-n // 512) * 512 + 40
+    memory = np.empty(len(_ROWS) * row_length + 8)
     first = -(memory.__array_interface__["data"][0] // 8) % 8
-    return memory[first : first + len(_ROWS) * apart].reshape(len(_ROWS), apart)[:, :n]
+    return memory[first : first + len(_ROWS) * row_length].reshape(len(_ROWS), row_length)[:, :n]
 
 
 class Slices:
