@@ -52,12 +52,12 @@ cdef extern from *:
     void rs_ask_for(const double *, size_t) noexcept nogil
 
 cdef enum:
-    MAX_STAGES = 8
-    MAX_CHECKS = 128
+    MAX_STAGES = 8       # of a chain; more are an error. Doubled, chains take more memory, and nothing else changes
+    MAX_CHECKS = 128     # ranges of columns and of conditions at most, some 16 for each stage
     BLOCK = 256          # 13 columns x 256 x 8 B = 26 KiB: one block stays in a 32 KiB L1 cache
-    ABREAST = 256        # slices of rows that are evaluated side by side
+    ABREAST = 256        # slices of rows that are evaluated side by side, as many as of a block
     RELEASE = 4096       # slices from which on the GIL is released: who gives it up may wait 5 ms to get it back
-    MAX_COLUMNS = 64
+    MAX_COLUMNS = 64     # offsets of columns that have room in a chain; tables have fewer columns
     LARGE = 8192         # slices from which on a table is larger than a second-level cache
     PYTHON_RAISED = -1   # the Python error is set in this thread
 

@@ -11,13 +11,19 @@ import numpy as np
 from libc.math cimport M_PI, copysign, cos, fabs, sqrt
 
 cdef enum:
-    LANES = 4        # sums go on in so many, which the compiler takes for a vector
-    TURNS = 60       # rotations of a matrix for an eigenvalue; usual are 2
-    STEPS = 12       # by Newton's rule to a node; usual are 3
-    RECENT = 32      # rows before one that may be equal to it
+    LANES = 4        # sums go on in so many, for which the compiler takes a vector; others round otherwise
+    # Rotations of a matrix for an eigenvalue at most, of which 2 are usual, as Wilkinson's shift converges with the
+    # third power. Doubled or halved, nothing changes: it bounds a loop that a NaN would never end.
+    TURNS = 60
+    STEPS = 12       # by Newton's rule to a node at most; 3 are usual from Tricomi's start. Doubled, nothing changes
+    # Rows before one that may be equal to it, whose rule is taken. Doubled, rows without an equal one take twice as
+    # many comparisons; halved, rollers that are alike every 17 to 32 rows get their rules anew.
+    RECENT = 32
 
-cdef double EPSILON = 2.220446049250313e-16
-cdef double ROUNDING = 1e-13     # of the recurrence, relative to the largest point
+cdef double EPSILON = 2.220446049250313e-16   # of doubles
+# Rounding of the recurrence, relative to the largest point: what is shorter is no point that differs. Doubled, points
+# that differ by 2e-13 of the largest one are one.
+cdef double ROUNDING = 1e-13
 
 
 cdef double dot(const double *a, const double *b, Py_ssize_t n) noexcept nogil:

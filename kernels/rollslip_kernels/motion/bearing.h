@@ -12,10 +12,18 @@ enum { EVALUATED, RENEWED, LINEARISED };   /* friction: evaluated; and linearise
 enum { NOT_REFUSED, FRICTION_REFUSED, DRAG_REFUSED = 3, LEVEL_REFUSED };   /* who refused: + ring; the last and more: a level */
 enum { RS_UNKNOWNS = 5, RS_ADDED = 16, RS_MAX_DRAGS = 16 };   /* at most, of a roller; drags on a cage */
 #define RS_RACEWAY "rollslip.raceway"   /* name of a capsule of rs_raceway */
-#define RS_REST_SPEED 1e-3              /* u_0 [m/s] */
-#define RS_POCKET_TOUCH 0.02            /* N */
-#define RS_POCKET_SLIDING 1e-2          /* m/s over which pocket friction changes its sign */
-#define RS_SQUEEZE 1e-4                 /* m/s over which the squeeze film sets in */
+/* u_0 [m/s]: laws get sqrt(u^2 + u_0^2) for the entrainment speed u, which passes zero where a bearing starts or
+ * reverses.  Doubled, films are thicker below some mm/s; at 0.1 m/s by 1e-4.  Far below speeds of bearings that roll. */
+#define RS_REST_SPEED 1e-3
+/* Force [N] over which the first touch of a bar is rounded: a quarter of it acts where bar and roller just meet.
+ * Doubled, touches begin sooner by the same over the stiffness.  Chosen, small beside forces in pockets, some newtons. */
+#define RS_POCKET_TOUCH 0.02
+/* Speed [m/s] over which the friction of a pocket changes its sign.  Doubled, a pocket brakes a roller less that hardly
+ * turns.  As POCKET_TRANSITION_SPEED of spin.pyx, where half and twice are measured. */
+#define RS_POCKET_SLIDING 1e-2
+/* Speed of approach [m/s] over which the squeeze film sets in, r^2/(r + RS_SQUEEZE) for r, so that its force has no
+ * kink.  Doubled, films push half as much at speeds below it, and 1 % less at those of impacts, 10 mm/s. */
+#define RS_SQUEEZE 1e-4
 
 /* Effective friction mu(V): piecewise cubic on equal cells of v = V/(|V| + V_s), constant beyond its ends. */
 typedef struct {

@@ -54,7 +54,7 @@ from rollslip_kernels.motion.raceway import coefficients
 
 cdef enum:
     RINGS = 2
-    MAX_CELLS = 2048
+    MAX_CELLS = 2048   # intervals of centrifugal force that a run stores at most; more are an error
     LOADS_REFUSED = LEVEL_REFUSED
 
 #: Recorded unknowns, in order, with their unit.

@@ -97,9 +97,9 @@ cdef double MAX_SLOPE_CHANGE = 100.0
 # doubled from step to step. Doubled, a balance that is nearer may be passed over; in 40 scenes none is, and evaluations
 # change by less than 1 %. Four times `MAX_PREDICTOR_MISS`, so that a good prediction is not cut.
 cdef double FIRST_STEP_BEYOND = 0.02
-# Distance from the predictor, relative to the bracket, from which on a balance is another one. Doubled, searches take 3
-# % fewer evaluations and a jump to a near balance may go unnoticed; halved they take 3 % more, with the same balances.
-# 48 pairs of bearings have the same torques to 1e-9 without this limit.
+# Distance from the predictor, relative to the bracket, from which on a balance is another one. Doubled, searches take
+# 3 % fewer evaluations and a jump to a near balance may go unnoticed; halved they take 3 % more, with the same
+# balances. 48 pairs of bearings have the same torques to 1e-9 without this limit.
 cdef double MAX_PREDICTOR_MISS = 0.005
 # Smallest fraction of that distance, where torques hardly rise through zero. Halved or doubled, no evaluation changes:
 # it keeps the distance above rounding where the slope is nearly zero.
@@ -143,8 +143,8 @@ cdef double MIN_BRACKET = 1e-3
 # distance between two balances.
 cdef double FIRST_MARCH_STEP = 1e-6
 # By how much a step goes beyond where the slope leads, so that it brackets the balance. With 2.4, marches take 9 % more
-# evaluations, and one of 20 scenes finds another onset of skidding; with 0.6, which does not bracket, 5 % more, and 30
-# % without inertia.
+# evaluations, and one of 20 scenes finds another onset of skidding; with 0.6, which does not bracket, 5 % more, and
+# 30 % without inertia.
 cdef double OVERSTEP = 1.2
 # Factor by which the slope at a balance differs at most from that at the position before; with other slopes the balance
 # is searched from the position before. Doubled, marches take 1 % fewer evaluations. With 0.75 no slope is good enough,
@@ -157,8 +157,8 @@ cdef double MAX_MARCH_SLOPE_CHANGE = 5.0
 # 0.5 % more, with the same results. It has to be more than one tolerance of each.
 cdef double MET_TOLERANCES = 10.0
 # Distance between the extrapolated ends of two marches, relative to the width of a row, within which both are of one
-# motion. Doubled, marches take 2 % fewer evaluations, and motions that are near each other are taken for one; halved, 2
-# % more. In 20 scenes all results are the same: Newton's method starts from the end that is interpolated.
+# motion. Doubled, marches take 2 % fewer evaluations, and motions that are near each other are taken for one; halved,
+# 2 % more. In 20 scenes all results are the same: Newton's method starts from the end that is interpolated.
 cdef double SAME_END = 0.02
 
 # Periodic motions -----------------------------------------------------------------------------------------------------

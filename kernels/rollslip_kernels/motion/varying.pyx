@@ -24,11 +24,11 @@ from rollslip_arrow cimport RS_RAISED, rs_row, rs_unknowns
 from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
 
 cdef enum:
-    AXES_CAPACITY = 3
+    AXES_CAPACITY = 3   # values that tables may depend on at once; each multiplies the stations of a box by NODES
     NODES = 4           # stations of a box along an axis
-    MAX_AROUND = 64     # stations of a box
-    MAX_STATIONS = 4096
-    MAX_BOXES = 4096
+    MAX_AROUND = 64     # stations of a box, NODES^AXES_CAPACITY
+    MAX_STATIONS = 4096   # that a run makes at most; more are an error. Doubled, 96 KiB more are allocated
+    MAX_BOXES = 4096      # the same of boxes, of which twice as many take 2.4 MiB more
     READ = 4            # of the operation: courses before those that rates do not read
     MAX_WATCHED = 3
 

@@ -23,8 +23,8 @@ cdef extern from *:
     const size_t RS_MIN_DRAG_SIZE
 
 cdef enum:
-    MAX_TERMS = 8
-    BLOCK = 256
+    MAX_TERMS = 8   # resistances that are added, at most; more are an error
+    BLOCK = 256     # slices evaluated at once, as in a chain
     NO_SUCH_STATUS = -2   # a stage returned more than its number of slices; the chain says so
 
 
