@@ -30,7 +30,8 @@ def private_names(path):
 VERBATIM = re.compile(r'(cdef extern from [^\n]*:\n\s*)"""(.*?)"""', re.DOTALL)
 TEXTS_OF_C = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 TEXTS_OF_CYTHON = re.compile(
-    r'"""(?:.*?)"""|#(?!define)[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL
+    r'"""(?:.*?)"""|#(?!define)[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'',
+    re.DOTALL,
 )
 
 
@@ -62,7 +63,9 @@ def test_no_name_of_the_product_has_a_private_word():
 
 def test_a_private_word_is_found_in_a_name_of_a_kernel(tmp_path):
     header = tmp_path / "law.h"
-    header.write_text('/* told */\n#define MOST 1 // held\nvoid f(double told, double s); /* kept */ char *w = "kept";\n')
+    header.write_text(
+        '/* told */\n#define MOST 1 // held\nvoid f(double told, double s); /* kept */ char *w = "kept";\n'
+    )
     assert private_names_of_kernel(header) == ["MOST", "told"]
     source = tmp_path / "law.pyx"
     source.write_text(

@@ -181,7 +181,9 @@ for name in ("effective", "conventional"):
                 at[:4] = 0.5 * assembly.cage.pocket_clearance + 1e-7 * np.arange(4)
             found[f"{name} {level} {k}"] = moving.system.rates(0.0, y)
             if level != "cage-set":
-                found[f"{name} {level} {k} held"] = moving.system.linearised_rates(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
+                found[f"{name} {level} {k} held"] = moving.system.linearised_rates(
+                    0.0, y, 1e-5, y, 2e-6, np.zeros(y.size)
+                )
 np.savez(sys.argv[1], **found)
 print(simd.active())
 """
