@@ -115,7 +115,7 @@ cdef double[EXPLICIT_STAGES] EXPLICIT_DENSE = [
     701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0,
 ]
 
-cdef double LARGEST = 1.7976931348623157e308   # floating-point number
+cdef double LARGEST = 1.7976931348623157e308   # largest floating-point number
 # Fraction of the step that would just meet the tolerance which a step takes. Measured on 60 ms of the shipped bearing
 # at level cage-set, 10 ms at pocket and 1 ms at planar, by evaluations, as the constants below: with 0.8, 10 to 30 %
 # more; with 0.95, from 3 % fewer to 8 % more, as more steps are rejected.
@@ -132,8 +132,6 @@ cdef double RETREAT = 0.25
 # A step of `DormandPrince` times the angular frequency of a contact: an impact, half a period, takes 8 steps. Doubled,
 # it takes 4, over which a polynomial of order 5 would have to follow a contact that closes and opens.
 cdef double IN_CONTACT = 0.4
-
-
 
 
 def tableau() -> dict[str, Any]:
