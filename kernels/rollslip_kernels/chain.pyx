@@ -494,7 +494,8 @@ cdef void _ask_for_next(const chain_t *c, const rs_slices *part, int stage, size
 
 cdef inline bint _inside(const chain_t *c, const rs_slices *part, int point) noexcept nogil:
     """Whether columns keep all that is asked of them: the table's own at 0, those that stage k writes at k + 1."""
-    return BLOCKS.all_inside(part, c.range_offsets[point + 1] - c.range_offsets[point], &c.ranges[c.range_offsets[point]])
+    cdef int first = c.range_offsets[point]
+    return BLOCKS.all_inside(part, c.range_offsets[point + 1] - first, &c.ranges[first])
 
 
 cdef int _outside(const chain_t *c, const rs_slices *part, int stage, int output, Py_ssize_t *at) noexcept nogil:

@@ -297,7 +297,8 @@ def test_what_touches_and_all_else_are_the_whole(level):
     speeds = ~moving.system.places
     kicks = (moving.system.go(0.0, h, 1, y) - y)[speeds] / h
     rest, whole = (
-        moving.system.linearised_rates(0.0, y, 0.0, y, separate_contacts=separate)[speeds] for separate in (True, False)
+        moving.system.linearised_rates(0.0, y, 0.0, y, separate_contacts=separate)[speeds]
+        for separate in (True, False)
     )
     size = np.abs(whole).max()
     assert np.abs(kicks).max() > 1e-2 * size

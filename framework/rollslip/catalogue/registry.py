@@ -26,6 +26,7 @@ __all__ = [
     "find",
     "get_class",
     "get_model",
+    "packages_behind",
     "structure_model",
     "structure_models",
 ]
@@ -213,3 +214,15 @@ def _default_children(
                 changes = {} if read is None else {key: getattr(read, key) for key in values}
                 children[attribute.name] = attrs.evolve(own, **changes)
     return children
+
+
+def packages_behind(name: str) -> dict[str, str]:
+    """Return the packages of the study or campaign of a name, and of what reports on it, with their versions.
+
+    Parameters
+    ----------
+    name : str
+        Name of the study or campaign; without one of that name there are no packages.
+    """
+    kinds = [kind for kind in ("study", "campaign", "account") if name in available(kind)]
+    return {offer.package: offer.version for offer in (find(kind, name) for kind in kinds)}

@@ -22,7 +22,7 @@ import attrs
 
 from rollslip.catalogue.discovery import catalogue, get_class, naming_package
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.catalogue.registry import available, find
+from rollslip.catalogue.registry import packages_behind
 from rollslip.errors import PluginError, SceneError, describe_error, nearest
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CAMPAIGN", "Campaign", "OfPoints", "OfScene", "add_packages", "campaign", "campaigns", "function_of", "help_of",
-    "listed", "options_of", "own_command", "packages_behind", "setting",
+    "listed", "options_of", "own_command", "setting",
 ]  # fmt: skip
 
 P = ParamSpec("P")
@@ -246,12 +246,6 @@ class Campaign(abc.ABC):
         add_packages(found, self.name)
         results = {self.name: found}
         return Result.from_studies(results, lambda: results)
-
-
-def packages_behind(name: str) -> dict[str, str]:
-    """Return the packages of the study or campaign of a name, and of what reports on it, with their versions."""
-    kinds = [kind for kind in ("study", "campaign", "account") if name in available(kind)]
-    return {offer.package: offer.version for offer in (find(kind, name) for kind in kinds)}
 
 
 def add_packages(dataset: "xr.Dataset", name: str) -> None:

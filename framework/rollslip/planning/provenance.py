@@ -19,12 +19,11 @@ import attrs
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.catalogue.discovery import load, named_data
-from rollslip.catalogue.registry import Offer, find, get_class
+from rollslip.catalogue.registry import Offer, find, get_class, packages_behind
 from rollslip.datasets import SURFACES
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel
-from rollslip.planning.campaign import packages_behind
 from rollslip.planning.lines import describe_own_cage
 from rollslip.planning.plan import Plan
 from rollslip.references import KLEBANOV, Citation, as_dict, rollslip_itself, unique_works

@@ -3,7 +3,7 @@
 1. A rule compares facts, which are intervals, with limits. It holds, does not hold, or the facts leave it open.
 2. The worst verdict of the rules that hold or are left open is that of the answer; of several rules the first decides
    (`decide`).
-3. A rule for SKIDS that is left open, and a rule whose facts are not known, lead to UNKNOWN.
+3. A rule for SKIDS that is left open leads to UNKNOWN; so does a rule for SLIPS or SKIDS whose facts are not known.
 """
 
 import enum

@@ -1,7 +1,7 @@
 """Compare the oil of a scene with the laws: properties that laws read and it lacks, and constants that no law reads."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 from typing import Any, Final
 
@@ -84,18 +84,25 @@ def faulty_constants(oil: Lubricant) -> list[str]:
         for law, table in tables.items()
         for key in table.keys() - laws.get(law, table.keys())
     ]
-    laws[""] = attrs.fields_dict(OilTable).keys()
-    problems = list[str]()
-    for quantity in (scatter.quantity for scatter in oil.scatter):
-        law, _, name = quantity.rpartition(".")
-        if law not in available("pressure-viscosity") and name not in laws.get(law, ()):
-            problems.append(f"scatter of {quantity}, which no oil and no law that is installed has")
+    problems = _unknown_scatter(oil, {"": attrs.fields_dict(OilTable).keys(), **laws})
     for name, cls in classes.items():
         constants = oil.constants_for(name, laws[name])
         if constants and constants.keys() <= laws[name]:
             structure(cls, constants, Location({}, (name,)), problems)
     refused = [text for text in problems if ": missing, but required" not in text]
     return [f"{key} is of no law that is installed" for key in unknown] + refused
+
+
+def _unknown_scatter(oil: Lubricant, known: Mapping[str, Collection[str]]) -> list[str]:
+    """Return messages on scatter of what no oil and no law has, by names of data and of parameters of each law."""
+    quantities = [scatter.quantity for scatter in oil.scatter]
+    parts = [quantity.rpartition(".") for quantity in quantities]
+    other = available("pressure-viscosity")
+    return [
+        f"scatter of {quantity}, which no oil and no law that is installed has"
+        for quantity, (law, _, name) in zip(quantities, parts, strict=True)
+        if law not in other and name not in known.get(law, ())
+    ]
 
 
 def _all_laws(models: Mapping[str, Any]) -> list[Any]:

@@ -31,7 +31,7 @@ cdef inline void rs_free_capsule(object capsule) noexcept:
 
 
 cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object owner):
-    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``owner`` (or None) lives with it."""
+    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``owner`` lives with it."""
     cdef rs_model *made = <rs_model *>malloc(sizeof(rs_model) + size)
     if made == NULL:
         raise MemoryError

@@ -1013,7 +1013,8 @@ cdef class Planar:
             return body, (self.p.displacement, MAX_DISPLACEMENT * self.p.c.roller_radius)
         if who >= DEFLECTION_REFUSED:
             ring = who - DEFLECTION_REFUSED
-            return ("inner deflection", "outer deflection")[ring], self.deflections[ring].refusal(self.references[1][ring])
+            refusal = self.deflections[ring].refusal(self.references[1][ring])
+            return ("inner deflection", "outer deflection")[ring], refusal
         return rs_refusal(&self.p.c, self.references[0])
 
     def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, Array] | None:

@@ -77,7 +77,7 @@ cdef class System:
         return self.c.until_contact(t, &given[0], self.c.speeds_state) if self.c.until_contact != NULL else np.inf
 
     def flight(self, double t, y: ArrayLike, rates: ArrayLike, double max_time) -> float:
-        """Return a time [s] in which no contact closes if rates stay as they are, at most ``max_time``; 0 if unknown."""
+        """Return a time [s] in which no contact closes if rates stay as they are, at most ``max_time``; or 0."""
         cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
         return self.c.flight(t, &given[0], &going[0], max_time, self.c.speeds_state) if self.c.flight != NULL else 0.0
 

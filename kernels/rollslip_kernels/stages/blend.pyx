@@ -34,7 +34,8 @@ cdef object _new(boundary, hydrodynamic, rs_evaluate fraction, tuple law):
 
 def power(boundary, hydrodynamic, double boundary_limit, double hydrodynamic_limit, double exponent):
     """Return the stage that blends two capsules by a power of the film parameter between two limits."""
-    return _new(boundary, hydrodynamic, rs_active_blocks().power_fraction, (boundary_limit, hydrodynamic_limit, exponent))
+    law = boundary_limit, hydrodynamic_limit, exponent
+    return _new(boundary, hydrodynamic, rs_active_blocks().power_fraction, law)
 
 
 def exponential(boundary, hydrodynamic, double reach, double factor, double exponent):

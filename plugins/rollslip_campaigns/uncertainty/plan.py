@@ -74,7 +74,7 @@ _MAX_SAMPLES = 16384
 _DEFAULT_SAMPLES = 128
 #: Default maximum number of samples. Twice as many double the time where points fail, so that intervals stay open.
 #: Chosen: three times the 336 samples that a 1 % quantile, the outermost that is usually requested, needs for two
-#: finite bounds, so that two of three samples may fail.
+#: finite bounds. Failed samples count as smallest and as largest, so that few of them open such a quantile.
 _MAX_DEFAULT_SAMPLES = 1024
 #: Default number of samples of the minimum load, for which a point is a search over loads. Twice as many double its
 #: time. Chosen: enough for the median. The ends of a 90 % band have two finite bounds from 72 samples on

@@ -9,9 +9,10 @@ Method: randomized quasi-Monte Carlo, by sweeps over samples of the uncertain da
 3. Estimate the allowable slip. Stop where its interval is narrow enough (``until``); by default where the 95 %
    intervals of the bounds of slip and reserve have two ends, or where another batch would take too long. A given number
    of samples is computed in one run.
-   Unless all samples are requested as a whole, only the first ones are computed so. Of the others the torques of the
-   rollers at a few slips give slip and reserve (`rollslip_campaigns.uncertainty.emulator`). Where the error of that is
-   too large more samples are computed as a whole, in the end all of them.
+   Of a given number of samples from 512 on only the first ones are computed as a whole, unless all are requested so. Of
+   the others the torques of the rollers at a few slips give slip and reserve
+   (`rollslip_campaigns.uncertainty.emulator`). Where the error of that is too large more samples are computed as a
+   whole, in the end all of them.
 4. Compute the minimum load for the first samples, and Saltelli's design for Sobol indices, if they are requested.
 5. Estimate quantiles, probabilities and rank correlations, and save them as a dataset.
 

@@ -25,8 +25,9 @@ The abscissa of the search is x = logit(S) = ln(S/(1 - S)), in which the torque 
 5. Bisect the intervals beside a maximum of the torque, and those in which a motion ends, while a bound on the torque
    inside exceeds the running maximum by 0.1 %.
 6. A motion from which the torque falls by more than 0.2 % before it is exceeded is a candidate for a jump.
-7. At a smooth maximum, find the vertex of the polynomial through the five samples around the largest one, evaluate it
-   there, and repeat this with the new sample, up to nine samples. At the end of a motion, take the last sample.
+7. At a smooth maximum, find the vertex of the polynomial through the samples, at first the three around the largest
+   one, evaluate the torque there, and repeat this with the new sample, up to nine samples. At the end of a motion,
+   take the last sample.
 8. Repeat step 7 with four times as many positions of the orbit, the *finer* ones; those of the search are *coarse*.
    The stated error is the change, undivided, plus the largest error of interpolation and discretisation: Richardson
    extrapolation would divide the change, but errors decrease irregularly with the number of positions. A maximum that
@@ -115,7 +116,7 @@ class SearchTolerances:
     vertex: float = 1e-6
     #: Largest number of samples of a vertex, and number in a pass on finer positions at the end of a motion. Half as
     #: many leave an error of the torque of 4e-4, twice as many cost up to 18 % and change it by up to 3e-5; chosen: the
-    #: polynomial of a vertex has five samples, four more correct it.
+    #: polynomial of a vertex begins with three samples, up to six more correct it.
     n_samples: int = 9
     #: Ratio of finer to coarse positions of the orbit. Two instead of four change largest torques by up to 0.5 %,
     #: in four bearings by more than the errors, and the cost of finer positions is proportional; eight change them

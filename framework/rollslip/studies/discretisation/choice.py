@@ -11,7 +11,7 @@ By curves (`choose_by_curves`): a convergence study on coarse numbers.
    part from their ring somewhere along the roller and the orbit. There a load rises like the power 10/9 of the
    distance, so that all quadratures converge like n^-2.1, with a factor that depends on where the kinks lie between the
    points. A single comparison, or Richardson extrapolation of two numbers, would often meet a small error by chance.
-4. Take the smallest numbers whose bounds, added up, keep half of the tolerance.
+4. Take the smallest numbers whose bounds, added up, keep the part of the tolerance that is theirs.
 5. Leave out models that change no curve by more than their fraction of the tolerance, under a bound which is checked
    while the study runs.
 
@@ -107,8 +107,8 @@ _LEFT_OUT_FRACTION: Final = 0.2
 #: doubling starts. Twice as many in the last doubles the cost of a plan; its own error, 1/36 of that of 16 slices, is
 #: allowed for. Chosen: three numbers show the order, from the coarsest that shows a profile on.
 _SLICE_LADDER: Final = (8, 12, 16, 96)
-#: Roller positions on which slices are compared, before and after a run, and doubled. Chosen: with one, few rollers are
-#: near the ends of the loaded zone; four would double the cost of a plan.
+#: Roller positions on which slices are compared, before a run and after it. Four would double the cost of a plan.
+#: Chosen: with one, few rollers are near the ends of the loaded zone.
 COARSE_POSITIONS: Final = 2
 #: Roller positions of the ladder: each number divides the last, so that all cost no more than the last; a run's slices
 #: are compared on so many at most. With 24 the ladder would cost twice as much.
@@ -553,7 +553,7 @@ def choose_by_doubling(
     Raises
     ------
     ConvergenceError
-        If the last doubling, up to the reference resolution, exceeds the tolerance.
+        If the last doubling, up to the reference resolution, changes a result by more than its part of the tolerance.
     """
     accuracy = assembly.scene.accuracy
     best = reference_resolution(assembly.scene)

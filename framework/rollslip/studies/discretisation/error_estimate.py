@@ -79,7 +79,7 @@ _CLEAR_FRACTION: Final = 0.3
 #: From which an error that keeps its tolerance by one joint reference may do so by chance, so that a second reference
 #: is computed. Below it the error is believed. Doubled, 539 in place of 293 of the 831 random runs of
 #: docs/tables/promise.csv save the second reference. Chosen: the actual errors of those 293 are 0.13 of the tolerance
-#: at most, which leaves a factor of seven for what is not among them.
+#: at most, so that a run whose error is seven times as large still keeps it.
 _CHANCE_FRACTION: Final = 0.15
 #: At which slices and positions aim, each, where a run is made again: both stay below the tolerance together, at 0.7 of
 #: it, with some room for an order that is lower than the observed one. Halved, numbers are twice as
@@ -91,7 +91,7 @@ _REFINED_FRACTION: Final = 0.35
 #: Lowest order that is taken for the mean over positions of a continued curve, in place of `MIN_ORDER`: each roller
 #: jumps somewhere between two positions, so that the error falls at least with the inverse of their number. Two numbers
 #: of positions that show less do so by chance. With `MIN_ORDER` errors would be estimated up to 1.7 times as large,
-#: with 2 as a third of these.
+#: with 2 up to a third smaller.
 _JUMP_ORDER: Final = 1.0
 
 # Runs that are made again --------------------------------------------------------------------------------------------
