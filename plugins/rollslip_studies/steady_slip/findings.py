@@ -174,21 +174,6 @@ def _facts(dataset: "xr.Dataset", kappa: float) -> dict[Fact, float]:
     return facts | ({Fact.AXIAL_RATIO: ratio} if load > 0.0 else {})
 
 
-def _largest_load_row(dataset: "xr.Dataset", load: float) -> Row | None:
-    """Return the row of the largest load, by rating life or static rating; None for an older result."""
-    if "largest_load" not in dataset.attrs:
-        return None
-    largest = float(dataset.attrs["largest_load"])
-    return Row(
-        key="largest_load",
-        label="largest load",
-        value=largest,
-        unit="N",
-        text=format_force(largest, load),
-        note=f"{dataset.attrs['largest_load_limit']}{'; exceeded' * (load > largest)}",
-    )
-
-
 def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, within: float) -> Row:
     """Return the row of the cage slip, with its band where the result has one.
 
