@@ -15,7 +15,7 @@ from rollslip.models import FINITE, POSITIVE, TractionModel
 class Cross(TractionModel):
     """Shear thinning after Cross, with a critical stress in place of a relaxation time.
 
-    mu = tau/p,  tau = eta g/(1 + (eta g/G)^m),  g = V/h
+    mu = tau/p,  tau = eta g/(1 + |eta g/G|^m),  g = V/h
 
     g shear rate [1/s], V sliding speed [m/s], h film thickness [m], p mean Hertz pressure [Pa], eta viscosity of the
     oil at that pressure [Pa s], G stress at which the viscosity has halved [Pa], m exponent of the thinning [1].
@@ -27,7 +27,7 @@ class Cross(TractionModel):
     """
 
     name: ClassVar[str] = "cross"
-    equation: ClassVar[str] = "mu = eta g/(p (1 + (eta g/G)^m)), g = V/h"
+    equation: ClassVar[str] = "mu = eta g/(p (1 + |eta g/G|^m)), g = V/h"
     references: ClassVar[tuple[str, ...]] = (
         "Cross M.M. Rheology of non-Newtonian fluids: a new flow equation for pseudoplastic systems. "
         "J. Colloid Sci. 20, 1965, 417-437.",
