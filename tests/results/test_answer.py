@@ -739,7 +739,7 @@ def moved(code, slip=(0.02, 0.02), torque=(1.0, 1.0), reserve=(4.0, 4.0)):
         ([moved("W1", slip=(0.02, math.inf)), moved("W2", slip=(0.02, 0.2)), moved("W3", slip=(0.02, 0.1))],
          "W1: it skids with other; W2: slip 20 % with other; 1 more, of more than 100 %"),
         ([moved("W1", slip=(0.02, math.inf))], "W1: it skids with other"),
-        ([moved("W1"), Note(code="W2", short="", text="", severity=1.0)], "W2 not evaluated"),
+        ([moved("W1"), Note(code="W2", short="", text="", severity=1.0)], "W2 not compared"),
         ([Note(code=f"W{k}", short="", text="", severity=1.0) for k in (1, 2)], "2 on laws outside their range: W1 W2"),
     ],
 )  # fmt: skip

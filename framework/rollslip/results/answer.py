@@ -167,7 +167,7 @@ class Note:
     def consequence(self) -> str:
         """The changes by the alternative, in words, to be shown behind the sentence."""
         if self.changes is None:
-            return "not evaluated"
+            return "no other law was compared"
         if not self.changes:
             return "not at the steady slip"
         texts = [
@@ -533,7 +533,7 @@ def summarise_notes(notes: Iterable[Note], more: str = "") -> str:
         texts.append(_count_notes(others, bool(shown)))
     unknown = [note.code or note.short for note in every if note.changes is None]
     if unknown:
-        texts.append(f"{' '.join(unknown)} not evaluated")
+        texts.append(f"{' '.join(unknown)} not compared")
     return f"{'; '.join(texts) or 'none moves slip or torque by 1 %'}{hint}"
 
 
