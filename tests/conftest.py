@@ -75,3 +75,9 @@ def pytest_ignore_collect(collection_path, config):
         if requested and "pytest.mark.quick" not in collection_path.read_text(encoding="utf-8")
         else None
     )
+
+
+def pytest_collection_modifyitems(config, items):
+    """Leave out slow tests of quick files where nothing but quick tests is asked for."""
+    if config.option.markexpr == "quick":
+        items[:] = [item for item in items if not {"slow", "lint"} & {*item.keywords}]

@@ -74,6 +74,7 @@ def not_allowed(package: str, path: Path) -> set[str]:
     return ours - ALLOWED[package] - face
 
 
+@pytest.mark.lint
 @pytest.mark.quick
 def test_imports_flow_one_way():
     faults = {
@@ -232,6 +233,7 @@ PLANTED = {
 }
 
 
+@pytest.mark.lint
 @pytest.mark.quick
 @pytest.mark.parametrize("rule", PLANTED)
 def test_the_layout_keeps_its_rules(rule):
@@ -250,6 +252,7 @@ def tree(tmp_path_factory):
     return root
 
 
+@pytest.mark.lint
 @pytest.mark.parametrize(
     ("rule", "place", "line"),
     [(rule, *fault) for rule, faults in PLANTED.items() for fault in faults],
@@ -382,6 +385,7 @@ LIBRARIES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["minimal", "full"])
 def test_only_what_a_scene_names_is_loaded(name, tmp_path):
     """Modules of a run are counted in a fresh process."""

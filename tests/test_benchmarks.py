@@ -69,6 +69,7 @@ def test_faults_to_be_planted_stand_in_their_files_once_and_their_tests_are_ther
             assert f"def {name}" in text or f"class {name}(" in text, (fault.file, test)
 
 
+@pytest.mark.slow
 def test_faults_drawn_at_random_are_other_code_in_one_place(monkeypatch):
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "tools"))
     import random_faults

@@ -300,6 +300,7 @@ def test_a_wrong_path_or_name_is_found(fault, lost):
     ) == {lost}
 
 
+@pytest.mark.lint
 def test_every_folder_stands_on_the_page_of_the_architecture():
     roots = made("folders").split(".. rubric:: ")[1:]
     assert [text.partition("\n")[0] for text in roots] == list(FACTS.ROOTS)
@@ -334,7 +335,7 @@ def test_a_quick_run_looks_at_every_folder_and_at_nothing_slow():
         for path in quick
         if re.search(r"^pytestmark = pytest\.mark\.quick$", texts[path], re.MULTILINE)
     }
-    assert not {path for path in whole if re.search(r"mark\.(slow|plugins|faults)", texts[path])}
+    assert not {path for path in whole if re.search(r"mark\.(soak|plugins|faults)", texts[path])}
 
 
 def rows(page):
@@ -656,6 +657,7 @@ sys.modules["facts"] = FACTS  # as Sphinx finds it
 MODEL_PAGES = script(DOCS / "_ext" / "model_pages.py")
 
 
+@pytest.mark.lint
 def test_a_model_has_a_page_of_what_it_is_its_errors_what_it_was_held_against_and_its_cost():
     text = "\n".join(MODEL_PAGES.page("film", "martin"))
     assert text.startswith("film martin\n===========\n")

@@ -77,7 +77,7 @@ def until(seconds):
         yield random.SystemRandom().getrandbits(64)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("name", NAMES)
 def test_any_input_is_read_or_refused_at_length(name):
     fuzz(TARGETS[name], until(60))

@@ -312,6 +312,7 @@ def test_the_command_refuses_to_raise_a_budget(monkeypatch, capsys, tmp_path):
     assert path.read_text() == "[statements]\nproduct = 0\n"
 
 
+@pytest.mark.lint
 def test_the_sources_keep_their_budgets():
     figures = legibility.budgeted_figures()
     budgets = legibility.read_budgets()

@@ -65,6 +65,7 @@ def test_a_run_computes_nothing_for_readers(nothing_for_readers):
     assert result.sel(ring="inner").critical_status == "found"
 
 
+@pytest.mark.slow
 def test_a_run_that_is_made_again_finer_estimates_no_cost(nothing_for_readers, monkeypatch):
     finer = []
     again = Plan.refined
@@ -164,6 +165,7 @@ CAMPAIGNS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("campaign", CAMPAIGNS)
 def test_points_of_campaigns_compute_nothing_for_readers(campaign, nothing_for_readers, tmp_path):
     scene = coarse(

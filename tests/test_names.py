@@ -49,6 +49,7 @@ def test_a_private_word_is_found_in_a_name(tmp_path):
     assert [*private_names(path)] == ["module.py:1: told", "module.py:2: told"]
 
 
+@pytest.mark.lint
 def test_no_name_of_the_product_has_a_private_word():
     root = legibility.REPOSITORY
     paths = [

@@ -47,6 +47,7 @@ def faults(page: str) -> list[str]:
     return found
 
 
+@pytest.mark.lint
 @pytest.mark.quick
 def test_the_reading_list_is_in_order():
     rows = ROW.findall(PAGE)

@@ -23,6 +23,7 @@ pytestmark = pytest.mark.quick
 every = functools.cache(sentences.sentences)  # by the tests, not by the collection of them
 
 
+@pytest.mark.lint
 def test_the_list_of_all_sentences_is_up_to_date():
     stored = sentences.LIST.read_text(encoding="utf-8").splitlines()
     now = sentences.as_csv(every()).splitlines()
@@ -128,6 +129,7 @@ UNTYPABLE = re.compile(
 )
 
 
+@pytest.mark.lint
 def test_every_key_and_option_that_a_sentence_names_exists():
     assert [
         (one, wrong)

@@ -340,6 +340,7 @@ def test_a_run_says_what_weight_leaves_out():
         )
 
 
+@pytest.mark.slow
 def test_plane_motion_takes_the_direction_of_the_operation_unless_it_has_its_own():
     friction = FrictionSettings(name="constant", coefficient=0.05, transition=0.1)
 

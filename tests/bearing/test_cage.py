@@ -563,6 +563,7 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
     assert bearing("linear").cage.drags.torque(3.0, 0.0, 0.0) == -3.0
 
 
+@pytest.mark.slow
 def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
     scene = parse_scene(
         NAMED

@@ -301,6 +301,7 @@ USE = (
 )
 
 
+@pytest.mark.slow
 def test_threads_are_made_for_large_tables_only():
     code = (
         USE
@@ -352,6 +353,7 @@ def test_the_first_error_is_raised_whatever_the_threads(count):
         assert not running
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 def test_a_forked_process_makes_threads_of_its_own():
     code = USE + (
@@ -445,10 +447,11 @@ def growth(n):
     return [int(value) for value in in_new_process(code, ROLLSLIP_THREADS="2")]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="ru_maxrss has other units elsewhere"
 )
-@pytest.mark.parametrize("n", [10**6, pytest.param(10**7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [10**6, pytest.param(10**7, marks=pytest.mark.soak)])
 def test_memory_is_that_of_the_table(n):
     traced, held, table = growth(n)
     assert table == 13 * 8 * n
@@ -597,12 +600,13 @@ def test_the_whole_chain_is_right_to_a_million_millionth_in_every_branch():
     assert max(worst.values()) < 1e-12, worst
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_whole_chain_is_right_to_a_million_millionth_in_every_branch_long():
     worst, _ = chain_error(600, 40)
     assert max(worst.values()) < 1e-12, worst
 
 
+@pytest.mark.slow
 def test_the_whole_chain_gives_the_same_bits_on_every_instruction_set_that_fuses():
     code = USE + (
         "import hashlib; digest = hashlib.sha256()\n"

@@ -246,6 +246,7 @@ HARD = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [iso16281(), power_law(1e12, 1.5)], ids=["iso16281", "3/2"])
 @pytest.mark.parametrize("name", HARD)
 def test_hard_cases_balance(name, law):
@@ -477,13 +478,14 @@ def test_passes_do_not_grow_with_the_bearing(Z, n_positions):
     assert len(Counted.requested) <= 2 * found.iterations * solved + 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("Z", "slices", "n_positions", "misalignment"),
     [
-        pytest.param(28, 101, 32, 0.0, marks=pytest.mark.slow),
+        pytest.param(28, 101, 32, 0.0, marks=pytest.mark.soak),
         (28, 101, 32, 3e-4),
-        pytest.param(500, 41, 16, 3e-4, marks=pytest.mark.slow),
-        pytest.param(500, 21, 256, 3e-4, marks=pytest.mark.slow),
+        pytest.param(500, 41, 16, 3e-4, marks=pytest.mark.soak),
+        pytest.param(500, 21, 256, 3e-4, marks=pytest.mark.soak),
     ],
 )
 def test_memory_is_that_of_the_result(Z, slices, n_positions, misalignment):
@@ -535,6 +537,7 @@ def test_an_error_of_a_contact_law_in_python_passes_through():
         solve_equilibrium(case(), rings(Faulty(1e10, 1.0)))
 
 
+@pytest.mark.slow
 def test_tilted_rollers_of_many_slices_come_to_their_balance():
     """Edges touch and part while the ring moves: a twentieth of these ended short of it by ever smaller steps."""
     rng = np.random.default_rng(5)

@@ -143,11 +143,12 @@ def test_a_friction_curve_is_of_the_roller_in_the_line_of_load(placed, of):
 DRAG = {"cage.drag": [{"model": "constant-torque", "size": "0.1 N m"}]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "of",
     [
         "orbit_angle",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("position", "transverse_speed")),
+        *(pytest.param(name, marks=pytest.mark.soak) for name in ("position", "transverse_speed")),
     ],
 )
 def test_a_steady_slip_has_places(placed, of):

@@ -28,7 +28,7 @@ def oils():
     return rollslip.compare(SCENE, oil="iso-vg-68, iso-vg-220, nope")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("oil", ["iso-vg-68", "iso-vg-220"])
 def test_each_is_told_as_its_run_tells_it(oils, oil):
     alone = rollslip.run(rollslip.evolve(SCENE, {"lubricant": oil}, si=True), "steady-slip")
@@ -40,6 +40,7 @@ def test_each_is_told_as_its_run_tells_it(oils, oil):
     assert json.loads(oils.attrs["rows"])[oil]["friction_torque"] == rows["friction_torque"].text
 
 
+@pytest.mark.slow
 def test_the_better_stands_first_and_what_failed_last(oils):
     assert oils.alternative.values.tolist() == ["iso-vg-220", "iso-vg-68", "nope"]
     assert oils.status.values.tolist() == ["done", "done", "failed"]
@@ -60,6 +61,7 @@ def test_what_cannot_run_is_named_before_the_others_run():
     assert "'rollslip models lubricant' lists them" in warning
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_bands")
 def test_models_of_rings_are_alternatives_too():
     tight = rollslip.evolve(
@@ -145,7 +147,7 @@ def test_what_cannot_be_compared_is_refused(requested, said):
         rollslip.compare("gearbox", **requested)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_command_prints_a_table_and_json_has_its_numbers(tmp_path):
     requested = ["compare", "turbine", "--cage", "brass,polyamide", "--out", str(tmp_path / "out")]
     told = CliRunner().invoke(cli, requested)
@@ -163,6 +165,7 @@ def test_a_name_that_there_is_not_is_a_mistake_as_any_other():
         assert isinstance(done.exception, SceneError), done.output
 
 
+@pytest.mark.slow
 def test_measured_points_stand_beside_each_alternative(tmp_path):
     table = tmp_path / "slip.csv"
     table.write_text("cage_slip [%], cage_slip_uncertainty [%]\n2, 0.1\n", encoding="utf-8")

@@ -47,6 +47,7 @@ def test_powers_of_the_columns_are_exact_from_the_fewest_cases():
     assert found.error < 1e-9
 
 
+@pytest.mark.slow
 def test_the_stated_error_is_that_of_other_cases_and_keeps_the_tolerance():
     values = np.stack(
         [1e-2 + 5.0 * np.exp(-LOADS / 4e3) * SPEEDS**0.5, LOADS + 10.0 * SPEEDS], axis=1
@@ -100,6 +101,7 @@ def duty(folder, *head):
     return path
 
 
+@pytest.mark.slow
 def test_the_command_computes_some_cases_and_says_how_exact_the_others_are(tmp_path, monkeypatch):
     monkeypatch.setattr(interpolation, "_FIRST_NODES", 6)
     monkeypatch.setattr(interpolation, "_CHECKS", 3)

@@ -50,6 +50,7 @@ def found(tmp_path_factory):
     return rollslip.cases(SCATTERED, written(folder, HEAD, *ROWS), engine="serial")
 
 
+@pytest.mark.slow
 def test_a_case_is_a_run_of_its_scene(found):
     loads = found["radial_load"].to_numpy()
     speeds = found["inner_speed"].to_numpy()
@@ -237,6 +238,7 @@ def test_what_is_no_table_is_refused():
         planned(5)
 
 
+@pytest.mark.slow
 def test_cases_that_are_done_are_not_computed_again(tmp_path):
     table = written(tmp_path, "radial_load [kN]", "10", "20")
     first, second = (
@@ -261,6 +263,7 @@ def test_the_command_opens_with_the_time_and_the_worst_case(tmp_path, monkeypatc
     assert record["answer"]["summary"].partition("; ")[2].startswith("worst is case 1, slip")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_bands")
 def test_measured_points_stand_beside_the_cases(tmp_path):
     points = written(

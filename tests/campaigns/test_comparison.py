@@ -372,6 +372,7 @@ def test_the_order_of_the_models_does_not_matter():
     assert again.drop_vars(MEASURED).drop_attrs().identical(first.drop_vars(MEASURED).drop_attrs())
 
 
+@pytest.mark.slow
 def test_all_have_the_same_instants_even_where_one_settles_later():
     scene = evolve(
         load_scene("1032930-70C"),
@@ -626,6 +627,7 @@ def test_what_fails_is_listed_and_stops_nobody(tmp_path):
     assert "in somebody's model" in "".join(ET.parse(tmp_path / "report.html").getroot().itertext())
 
 
+@pytest.mark.slow
 def test_without_the_reference_the_others_are_still_compared_in_cost(tmp_path):
     rollslip.register(Slow)
     found = compare(SCENE, traction=["muraki", "eyring"], reference="slow", study="friction-curve")
@@ -652,6 +654,7 @@ def test_if_all_fail_the_error_is_of_their_kind():
         compare(SCENE, traction=["slow"], film=["moes", "refuses"], study="friction-curve")
 
 
+@pytest.mark.slow
 def test_exit_codes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for model in (Refuses, Raises, Slow):
@@ -716,6 +719,7 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
 # Files and words ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_json_is_plain_and_complete(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     rollslip.register(Slow)
@@ -745,6 +749,7 @@ def test_json_is_plain_and_complete(tmp_path, monkeypatch, capsys):
     assert rows["slow", "518 N"]["status"] == "failed: slow: no end in sight"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("result", STUDIES[:1], indirect=True)
 def test_a_comparison_comes_back_as_it_was_and_the_other_commands_know_it(
     tmp_path, monkeypatch, capsys, result
@@ -813,6 +818,7 @@ def test_differences_from_the_first_are_not_called_errors():
     assert named["rms_error"].attrs["long_name"].startswith("relative error against muraki")
 
 
+@pytest.mark.slow
 def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     found = compare(SCENE, traction="muraki,eyring", study="effective-friction")
@@ -909,6 +915,7 @@ def test_slices_are_sorted_by_the_limits_that_are_told():
         )
 
 
+@pytest.mark.slow
 def test_measured_points_stand_beside_each_combination(tmp_path):
     table = tmp_path / "slip.csv"
     table.write_text("cage_slip [%], cage_slip_uncertainty [%]\n2, 0.1\n", encoding="utf-8")

@@ -135,6 +135,7 @@ def values_of(found):
     return found["value"].sel(quantity=[RESERVE, STEADY]).to_numpy()
 
 
+@pytest.mark.slow
 def test_emulated_samples_are_those_computed_as_a_whole_whatever_the_engine(few_whole, tmp_path):
     found = rollslip.uncertainty(PLAIN, samples=24)
     assert found["computed"].sel(quantity=STEADY).item() == 12
@@ -155,6 +156,7 @@ def test_emulated_samples_are_those_computed_as_a_whole_whatever_the_engine(few_
         np.testing.assert_allclose(scale.forward(one), scale.forward(other), atol=0.15)
 
 
+@pytest.mark.slow
 def test_all_samples_are_computed_where_the_error_is_large(monkeypatch):
     monkeypatch.setattr(emulation, "WHOLE_SAMPLES", (4,))
     monkeypatch.setattr(emulation, "_MIN_RATIO", 2)

@@ -141,6 +141,7 @@ def _jump_fraction(x):
     return 0.5 * (stats.norm.cdf(x) + stats.norm.cdf(x - 3.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "distribution"), [(_lognormal, _lognormal_fraction), (_jump, _jump_fraction)]
 )

@@ -226,6 +226,7 @@ def test_in_a_browser_sliders_move_the_answer_which_is_that_of_the_command(page)
         assert float(shown["minimum"]) == pytest.approx(load, rel=0.02) or load > 1200.0
 
 
+@pytest.mark.slow
 def test_the_page_is_written_where_it_is_asked_for_and_told_meanwhile(tmp_path, monkeypatch):
     """Without plotly, which only the page itself needs."""
     for module in (explorer, written):

@@ -771,6 +771,7 @@ def test_a_correlation_next_to_one_has_more_digits(correlation, digits):
     assert f"correlation: eyring_stress with flash {digits}" in " ".join(FitAccount.lines(found))
 
 
+@pytest.mark.slow
 def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
     points = {**NEAR, "points": ((343.15,), (0.9e9, 1.2e9)), "noise": 0.002}
     data = noisy(**points)
@@ -947,7 +948,7 @@ def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeyp
         assert np.all(abs(held - level) < 4 * math.sqrt(level * (1 - level) / count))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "case", ["four curves, 2 % noise", "four curves, known noise", "one curve, 10 % noise"]
 )
@@ -1010,6 +1011,7 @@ def named(name):
     return get_class("lubricant", name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "parameters", ["eyring_stress,pressure_viscosity", "viscosity_factor,conductivity,flash"]
 )
@@ -1108,6 +1110,7 @@ def command(line, capsys, code=0):
 PROMISED = "fit twin-disc.csv --traction muraki --parameters eyring_stress,pressure_viscosity"
 
 
+@pytest.mark.slow
 def test_the_command_writes_data_and_oil_and_cuts_no_word(examples, capsys, monkeypatch):
     said = command(f"{PROMISED} --no-plots -v", capsys).out
     assert re.match(
@@ -1139,6 +1142,7 @@ def test_the_command_writes_data_and_oil_and_cuts_no_word(examples, capsys, monk
     assert re.search(r"eyring_stress +6\.6\d+ MPa, 95 %: .* determined", shown)
 
 
+@pytest.mark.slow
 def test_json_and_a_report_hold_what_was_found(examples, capsys):
     said = json.loads(command(f"{PROMISED} --json --no-plots --report --out o", capsys).out)
     stored = rollslip.open_result("o/fit.nc")

@@ -217,6 +217,7 @@ def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
     assert account_of(found).sentences(found)[1].startswith("half_width is monotonic over")
 
 
+@pytest.mark.slow
 def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_path):
     made = LimitSettings(bearing, LENGTHS, "half_width >= 60 um", **CURVE).plan()
     whole = run_limit(made, tmp_path / "whole")
@@ -381,6 +382,7 @@ def test_a_limit_that_is_passed_by_a_jump_is_told_with_what_the_study_says_of_bo
     assert said in account_of(jumped).sentences(jumped)
 
 
+@pytest.mark.slow
 def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
     scene = rollslip.evolve(bearing, {"accuracy.slices": 5, "study.surface-damage.cage_slip": 0.1})
     loads = {"operation.radial_load": "2 kN:8 kN:3"}
@@ -419,6 +421,7 @@ def test_a_limit_of_damage_is_in_the_unit_of_its_measure(bearing):
             limit("worst <= 1 MW/m2", *models)
 
 
+@pytest.mark.slow
 def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told():
     """Eight slices, which torques need, are too few for the worst value of a crowned roller; a run takes more.
 
@@ -471,6 +474,7 @@ def test_all_points_are_as_fine_as_single_runs_need_and_what_stays_off_is_told()
     assert 1e-3 < off <= float(told[1]) <= off / (1.0 - 2.0**-JOINT_ORDER)
 
 
+@pytest.mark.slow
 def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     requested = ["limit", "1032930-70C", "--study", "friction-curve", "--over", "bearing.roller_length=5 mm:40 mm:5",
@@ -528,7 +532,7 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("case", CASES)
 def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case):
     history, name, span, keep, within, more = CASES[case]
@@ -551,6 +555,7 @@ def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case
     assert high / low < 1.0 + 1.01 * within
 
 
+@pytest.mark.slow
 def test_a_motion_is_searched_as_the_plan_chooses_it():
     scene = moving(
         DROP,

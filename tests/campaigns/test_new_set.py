@@ -166,8 +166,9 @@ def test_the_first_line_of_a_validation_says_how_near_measured_values_are():
     assert body[-1][0] == "temperature 25 degC"  # what was measured before what was computed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "rows", [slice(2, None, 4), pytest.param(slice(None), marks=pytest.mark.slow)]
+    "rows", [slice(2, None, 4), pytest.param(slice(None), marks=pytest.mark.soak)]
 )
 def test_the_torque_that_was_measured_is_met_as_the_page_says(rows, tmp_path):
     """Ratios of docs/trust/torque.rst, computed by docs/scripts/measured_torque.py on 101 slices without slip."""

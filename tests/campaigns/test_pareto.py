@@ -171,6 +171,7 @@ def test_equal_points_are_both_on_the_front():
     ]
 
 
+@pytest.mark.slow
 def test_the_fronts_of_a_run_are_fronts_of_its_errors_and_medians(effective):
     for number, on_front, kinds in (
         ("error", "on_front", ["numerical"]),
@@ -279,7 +280,7 @@ def test_choices_are_of_what_acts_on_a_result():
     assert family.choices_of("dynamics", "reference")[-1].resolution.friction == "conventional"
 
 
-@pytest.mark.slow  # plans cage and rollers in motion once for every axis
+@pytest.mark.soak  # plans cage and rollers in motion once for every axis
 def test_everything_that_can_be_chosen_is_chosen_somewhere():
     scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": "auto"})
     for axis in AXES:
@@ -439,6 +440,7 @@ def test_what_fails_without_the_finest_is_an_error():
         pareto(evolve(SCENE, {"models.film": "refuses"}), study="friction-curve", choices="slices")
 
 
+@pytest.mark.slow
 def test_a_motion_and_a_steady_slip_have_errors_too():
     changes = {
         "accuracy.slices": 5,
@@ -537,6 +539,7 @@ def drawn(dataset):
         return {name: figure for name, _, figure in front_figures.front_figures(dataset)}
 
 
+@pytest.mark.slow
 def test_figures_number_the_front_grey_the_rest_and_mark_the_plan(effective, figures):
     assert set(figures) == {
         "pareto-friction",
@@ -568,6 +571,7 @@ def test_figures_number_the_front_grey_the_rest_and_mark_the_plan(effective, fig
         assert "Relative difference" in models.get_ylabel()
 
 
+@pytest.mark.slow
 def test_numbers_in_figures_cover_no_other_number(figures):
     for figure in figures.values():
         for axes in figure.axes:
@@ -601,6 +605,7 @@ def test_a_report_shows_tables_and_figures(contact, tmp_path):
 # Command line -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     code, out, err = answer(
         capsys,

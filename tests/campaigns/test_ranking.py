@@ -52,6 +52,7 @@ def test_few_conditions_tell_nothing():
     assert np.isnan(estimate_significance(errors).probability).all()
 
 
+@pytest.mark.slow
 def test_what_is_told_of_laws_of_equal_worth_is_wrong_in_one_of_twenty_rankings_at_most():
     """Six laws whose errors are alike in all but chance, with heavy tails, in 400 rankings; 29 is beyond 0.97 of 20."""
     wrong = 0
@@ -197,7 +198,7 @@ def test_one_law_with_values_is_no_ranking(tmp_path, monkeypatch, capsys):
     assert "only eyring-thermal has a value at every condition, so nothing is ranked" in said
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_six_laws_are_ranked_rightly_in_95_of_100_seeds():
     """A seventh, carreau, with 1 % of noise: four laws with Eyring's stress are alike, the others worse, in this order.
 
@@ -240,6 +241,7 @@ traction = "muraki"
 """
 
 
+@pytest.mark.slow
 def test_a_file_that_a_fit_reads_is_ranked(tmp_path, data):
     """With or without uncertainties; without, all rows weigh alike, and that is said."""
     (tmp_path / "rig.toml").write_text(RIG, encoding="utf-8")

@@ -268,7 +268,7 @@ def test_a_lognormal_has_one_width():
 # Reserve -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
     """A constant torque leaves the largest drag as it is: the reserve is it over a lognormal torque, in closed form."""
     size = 0.2
@@ -294,7 +294,7 @@ def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
     assert float(found.rank_correlation.sel(acted="steady slip")[0]) == pytest.approx(1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     largest = float(
         rollslip.sweep(constant(1.0), {"operation.radial_load": ["3415 N"]}, study="effective-friction",
@@ -425,6 +425,7 @@ def test_a_least_load_that_is_none_lies_where_its_status_says():
     )
 
 
+@pytest.mark.slow
 def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
     scene = rollslip.evolve(SCENE, {"study.steady-slip.acceptable_slip": 0.02})
     table = {
@@ -453,7 +454,7 @@ def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
     assert [*findings.UncertaintyAccount.topics(found)][:3] == order
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them():
     found = uncertainty(
         rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"]}), samples=64, probability=0.9
@@ -481,6 +482,7 @@ def test_a_scene_without_any_scatter_says_what_to_write(monkeypatch):
         with_scatter(SCENE)
 
 
+@pytest.mark.slow
 def test_reserve_and_slip_do_not_depend_on_the_range_that_the_scene_names_for_steady_slips():
     found = [
         uncertainty(

@@ -109,6 +109,7 @@ def test_what_is_stated_does_not_scatter():
     assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: "plenty"})))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("supply", ["circulating", "mist"])
 def test_everything_that_scatters_moves_the_steady_slip(supply):
     """Each alone, from 5 to 95 %: none is declared of what nothing is made of."""

@@ -111,6 +111,7 @@ def test_weights_are_exact_for_cubics_and_hold_beyond_the_ends():
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("T", "W"),
     [
@@ -247,6 +248,7 @@ ONE_SPIN = (0.79, 0.02)
 OF_SPEED = 0.006
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("T", "W"),
     [
@@ -380,6 +382,7 @@ def test_the_file_of_c_warns_once_of_a_load_beyond_the_tables(place, tables, tmp
     )
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_equal_tables_give_equal_files_and_sources_can_be_left_out(place, tables, fmu):
     assert exported(place, tables[1], "again.fmu").read_bytes() == fmu.read_bytes()

@@ -699,6 +699,7 @@ def test_order_and_size_of_tasks_change_nothing(seed, task_seconds, serial, tmp_
     assert same(collect(sweep, folder), serial)
 
 
+@pytest.mark.slow
 @settings(max_examples=4)
 @given(tasks=st.lists(st.integers(0, 3), min_size=1, max_size=3))  # fewer than the ten points
 def test_a_run_that_is_cut_off_and_gone_on_with_gives_the_same(tasks, serial, tmp_path_factory):
@@ -737,6 +738,7 @@ def nothing(work, points):
     return TaskResult(tuple(rows), installed_versions(work.packages))
 
 
+@pytest.mark.slow
 def test_of_a_point_that_waits_or_is_done_one_byte_is_held(monkeypatch, tmp_path):
     """Tasks of 100 points come and go, in a long sweep as in a short one; neither numbers nor layouts are kept."""
     monkeypatch.setattr(sweep_run, "compute", nothing)

@@ -27,6 +27,7 @@ def swept(study, output, **options):
     return rollslip.sweep(SCENE, LOADS, study=study, output=output, engine="serial", **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("study", "outputs", "keys"),
     [
@@ -48,6 +49,7 @@ def test_values_and_errors_of_a_point_are_those_of_a_run(study, outputs, keys):
             assert 0.0 <= error < 0.05  # the tolerance of the scene
 
 
+@pytest.mark.slow
 def test_bands_of_a_point_are_those_of_a_run():
     points = swept("steady-slip", ["steady_slip"], bands=True)
     scene = rollslip.evolve(SCENE, {"operation.radial_load": "3 kN"})

@@ -53,6 +53,7 @@ def test_a_clock_that_is_set_while_points_are_computed_loses_nothing(hours, cloc
     assert 0.0 <= session.last - session.started < 60.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hours", [HOURS, -HOURS])
 def test_the_last_run_is_the_last_whatever_its_clock_says(hours, clock, tmp_path):
     """Two of six points in the first run and two in the second, each half a second after it begins."""

@@ -82,6 +82,7 @@ def test_a_killed_run_is_gone_on_with(engine, folder, reference):
     kill_the_run(folder, reference, "--engine", engine)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["serial", *others("threads", "processes")])
 def test_ctrl_c_finishes_what_runs_and_a_later_run_the_rest(engine, folder, reference):
     interrupt_once(folder, reference, "--engine", engine)
@@ -141,6 +142,7 @@ def test_a_folder_has_one_run_at_a_time(folder, reference):
 # Workers -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_point_that_kills_its_process_is_the_only_one_lost(folder):
     over = ["--over", "models.traction.fault=none,kill,error", "--output", "friction"]
     done = sweep(

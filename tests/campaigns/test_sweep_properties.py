@@ -203,13 +203,14 @@ FATED = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=3)
 @given(**FATED)
 def test_nothing_that_happens_changes_a_bit(runs, seed, task_seconds, serial, tmp_path_factory):
     survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @settings(max_examples=500)
 @given(**FATED)
 def test_nothing_that_happens_changes_a_bit_over_many_draws(
@@ -270,6 +271,7 @@ def kept(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @settings(max_examples=7)
 @given(data=st.data())
 def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_path_factory):
@@ -369,6 +371,7 @@ def test_a_journal_of_another_sweep_is_not_counted(kept, tmp_path):
             ask()
 
 
+@pytest.mark.slow
 def test_a_folder_has_one_writer_at_a_time(tmp_path):
     sweep = planned()
     folder = create_folder(sweep, tmp_path / "s")

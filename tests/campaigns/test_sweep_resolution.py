@@ -27,6 +27,7 @@ OVER = {"lubricant.pressure_viscosity_factor": "0.75:1.25"}
 class TestTheResolutionOfASweep:
     """It is chosen once, before the first point, and belongs to what the sweep is."""
 
+    @pytest.mark.slow
     def test_points_keep_the_error_that_the_scene_states_with_fewer_slices(self):
         made = plan_sweep(
             "1032930-70C", OVER, samples=128, output=["critical_cage_slip", "critical_friction"]
@@ -97,6 +98,7 @@ def test_motions_in_time_are_not_made_again():
     )
 
 
+@pytest.mark.slow
 def test_lean_steady_slips_are_those_of_a_run():
     scene = load_scene("1032930-70C")
     study = settings(scene, "steady-slip")["steady-slip"]

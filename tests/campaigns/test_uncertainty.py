@@ -222,6 +222,7 @@ def _points(status, slips):
     )
 
 
+@pytest.mark.slow
 def test_samples_have_play_in_the_pockets():
     """Their slips are those of rollers set in the cage by the curves of a run; loads change as that of the run."""
     scene = coarse(
@@ -259,6 +260,7 @@ def test_samples_have_play_in_the_pockets():
     assert ratio > 1.1
 
 
+@pytest.mark.slow
 def test_samples_say_that_play_is_left_out_where_its_effect_is_not_known(monkeypatch):
     """Rollers that tilt have no tables, and a nominal bearing may fail whose samples do not."""
     play = rollslip.evolve(ACCEPTABLE, {"study.steady-slip.pockets": "play"})
@@ -323,6 +325,7 @@ def _of_points(points, monkeypatch, folder, **options):
     ), said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [8, 64])
 def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(
     count, tmp_path, monkeypatch
@@ -447,6 +450,7 @@ def sixteen():
     return UncertaintySettings(uncertain(**ALPHA), samples=16, probability=0.5).plan()
 
 
+@pytest.mark.slow
 @settings(max_examples=6)
 @given(
     ends=st.lists(st.sampled_from([*STATUSES, "ok", "ok", "ok"]), min_size=16, max_size=16),
@@ -478,7 +482,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(planning, "FIRST_BATCH", 32)
     monkeypatch.setattr(running, "FIRST_BATCH", 32)
@@ -507,7 +511,7 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
         )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
     monkeypatch.setattr(planning, "FIRST_BATCH", 32)
     monkeypatch.setattr(running, "FIRST_BATCH", 32)
@@ -539,7 +543,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
     assert ends[1e-9][1] - ends[1e-9][0] > ends[None][1] - ends[None][0]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_command_writes_result_figures_and_report(tmp_path):
     out = tmp_path / "made"
     arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
@@ -559,6 +563,7 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
     assert json.loads(plain.stdout)["allowable_slip"]["value"] > 0.0
 
 
+@pytest.mark.slow
 def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path, monkeypatch):
     def points(sweep, folder):
         return _points(["timed-out"] * 2, np.full(2, np.nan))
@@ -591,6 +596,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     assert "the cage does not skid up to a slip of " in done.output
 
 
+@pytest.mark.slow
 def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     over = {"operation.radial_load": "2 kN:6 kN:2", "operation.inner_speed": "4000 rpm:8000 rpm:2"}
     grid = rollslip.sweep(SCENE, over, study="effective-friction")
@@ -650,6 +656,7 @@ def test_models_whose_samples_lie_beyond_the_range_are_not_told_apart_by_numbers
     assert describe_models(dataset).endswith(f": {said}.")
 
 
+@pytest.mark.slow
 def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
     made = UncertaintySettings(uncertain(**ALPHA), samples=8, indices=16).plan()
 

@@ -229,6 +229,7 @@ def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
         observe(series.scene, "critical-slip", {}, [{}])
 
 
+@pytest.mark.slow
 def test_many_points_have_the_resolution_of_a_plan_of_the_first_one(monkeypatch):
     scene = evolve(load_scene("1032930-70C"), {"study.steady-slip.pockets": "set"})
     points = [{"operation.radial_load": load} for load in (1000.0, 1100.0)]

@@ -136,6 +136,7 @@ def with_bands():
     return rollslip.window(SCENE, OVER, hours=HOURS, engine="serial", bands=True)
 
 
+@pytest.mark.slow
 def test_the_band_of_the_minimum_load_is_that_of_a_run(found, with_bands):
     np.testing.assert_allclose(with_bands["minimum_load"], found["minimum_load"], rtol=0.01)
     row = answer(rollslip.run(SCENE, "steady-slip"))["minimum_load"]
@@ -143,6 +144,7 @@ def test_the_band_of_the_minimum_load_is_that_of_a_run(found, with_bands):
     assert bounds == pytest.approx(row.band, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_band_of_the_largest_load_is_the_root_sum_of_squares_of_what_scatters(with_bands):
     """Of the bearing, as runs at quantiles of 5 and 95 % have it."""
     hours = evolve(SCENE, {"study.rating-life.hours": HOURS}, si=True)
@@ -166,6 +168,7 @@ def test_the_band_of_the_largest_load_is_the_root_sum_of_squares_of_what_scatter
         assert abs(found) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("load", "place"),
     [

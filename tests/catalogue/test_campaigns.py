@@ -158,6 +158,7 @@ def test_names_may_have_commas_between_them():
     assert listed("") == listed(()) == []
 
 
+@pytest.mark.slow
 def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     code, said, _ = rollslip("--help", path=stranger)
     assert code == 0
@@ -194,6 +195,7 @@ def test_a_strangers_campaign_is_listed_and_runs_by_its_entry_point(stranger):
     assert code == 0, said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
@@ -221,6 +223,7 @@ def test_a_broken_campaign_is_one_sentence_and_stays_its_own(old, new, told, str
     assert rollslip("sweep", "--help", path=stranger)[0] == 0
 
 
+@pytest.mark.slow
 def test_a_command_of_its_own_that_is_broken_is_one_sentence(stranger):
     path = stranger / "rollslip_mean_friction.py"
     path.write_text(
@@ -245,7 +248,7 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [

@@ -179,6 +179,7 @@ def answers(street):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_one_sentence_and_the_same_again(answers, name):
     _, sentence, more = FAULTS[name]
@@ -186,6 +187,7 @@ def test_a_fault_is_one_sentence_and_the_same_again(answers, name):
     assert "\n" not in answers[name][0]
 
 
+@pytest.mark.slow
 def test_no_other_model_suffers(answers):
     assert answers["good"] == [0.05 * 1.0 / 10.0] * 2
     assert answers["kragelsky"] == pytest.approx(
@@ -253,6 +255,7 @@ def test_an_error_in_the_middle_of_a_block_says_whose_it_is_in_every_thread(tmp_
     assert done == [[0.005] * 9] * 4
 
 
+@pytest.mark.slow
 def test_eight_threads_may_ask_at_once(street):
     names = ["raises", "good", "takes", "alright", "exits", "kragelsky", "hook", "good"]
     together, alone = python(

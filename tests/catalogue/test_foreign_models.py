@@ -4,6 +4,8 @@ import shutil
 import tomllib
 from pathlib import Path
 
+import pytest
+
 from architecture import ROOT
 from foreign_models import FOREIGN
 from packages import install, python
@@ -34,6 +36,7 @@ def test_every_kind_is_brought_by_a_package_of_others():
     }  # tests/catalogue/test_named_data.py
 
 
+@pytest.mark.slow
 def test_the_kit_passes_what_packages_of_others_bring(tmp_path):
     """All in one process, which imports the kit once."""
     data = shutil.copytree(Path(sets.__file__).parent / "guo-keller-2020", tmp_path / "data")

@@ -79,6 +79,7 @@ def test_a_name_stands_for_all_values():
     assert read.raw["bearing"] == {"name": "crowned"}
 
 
+@pytest.mark.slow
 def test_what_a_scene_takes_by_its_name_is_cited():
     by_name = citations(plan(scene("name = 'crowned'")))
     assert {*CROWNED.references} <= set(by_name)
@@ -255,6 +256,7 @@ except RollslipError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_package_ships_scenes(tmp_path):
     install(tmp_path, "rollslip-stand", SCENES, kind="scene", name="test-stand")
     (tmp_path / "own_scenes").mkdir()

@@ -172,6 +172,7 @@ def test_an_error_of_a_function_says_that_it_is_of_this_session():
     ]
 
 
+@pytest.mark.slow
 def test_a_function_has_parameters_that_scenes_sweeps_and_fits_set():
     limit = parameter(
         default=0.05, unit="1", doc="largest friction", validator=positive, usual=(0.01, 0.2)

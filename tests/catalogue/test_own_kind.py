@@ -65,7 +65,7 @@ def seals(tmp_path):
     return tmp_path
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_strangers_kind_is_listed_and_what_is_of_it_is_made(seals):
     assert python(REQUESTED, seals) == [[0.942, True, True]]
     code, said, _ = rollslip("models", "-v", path=seals)
@@ -113,6 +113,7 @@ def test_a_package_of_it_is_written_from_its_own_templates(seals, tmp_path_facto
     assert python(code, seals) == [["# A seal called felt\n"], 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
@@ -196,7 +197,7 @@ def check_a_larger_seal_resists_more(seal):
 """
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("law", "told"),
     [("diameter**2", "lip: 7 ok\n"), ("1", "  failed    check_a_larger_seal_resists")],
@@ -220,6 +221,7 @@ def test_a_kind_without_a_template_is_listed(seals):
     assert "  seal        lip\n" in rollslip("models", "-v", path=seals)[1]
 
 
+@pytest.mark.slow
 def test_a_group_that_nobody_reads_is_named(seals):
     """A slip of the pen in a group, or a package whose kind is not installed, was passed over in silence."""
     install(seals, "rollslip-slip", "", kind="tracton", name="fast")

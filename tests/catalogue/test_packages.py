@@ -63,6 +63,7 @@ EXITS = (
 )
 
 
+@pytest.mark.slow
 def test_every_package_is_listed_with_its_state_and_cause(street):
     listed, text, dicts, required, states = python(
         LIST, street, ROLLSLIP_DISABLED_PLUGINS="rollslip-off"
@@ -260,6 +261,7 @@ def test_a_run_names_the_package_of_a_law_within_a_law(tmp_path):
     } in children
 
 
+@pytest.mark.slow
 def test_a_sweep_goes_on_with_no_package_that_was_edited(tmp_path):
     install(tmp_path, "rollslip-edited", TRACTION, version="2.5")
     (tmp_path / "own.toml").write_text(EDITABLE)
@@ -295,7 +297,7 @@ def weaker(self, slices):
 """
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("line", "name"),
     [

@@ -136,6 +136,7 @@ def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled
                     assert any(one.startswith(imported[module]) for one in wanted), (path, module)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", COMPILED)
 def test_compiled_forms_are_cython(kind: str, tmp_path: Path) -> None:
     source = new("own-compiled", kind, True, tmp_path) / "src" / "own_compiled" / f"_{kind}.pyx"
@@ -189,6 +190,7 @@ def test_several_models_make_one_package(compiled: bool, tmp_path: Path) -> None
         new("own-pair", "film,film:own-other", compiled, tmp_path)
 
 
+@pytest.mark.slow
 def test_a_drag_may_be_a_rolling_resistance(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

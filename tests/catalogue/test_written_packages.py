@@ -17,6 +17,7 @@ FORMS = [(kind, False) for kind in WRITTEN] + [
 ]
 
 
+@pytest.mark.slow
 def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> None:
     made = new("own-pair", "film,drag=resistance,traction:own-other", False, tmp_path)
     environment = {
@@ -30,7 +31,7 @@ def test_two_laws_of_a_package_pass_the_kit_and_its_tests(tmp_path: Path) -> Non
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_every_template_is_typed(tmp_path: Path) -> None:
     """As strictly as rollslip: what a package begins with finds no fault of its author's tools."""
     requested = []

@@ -114,6 +114,7 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     assert "written to 1032930-70C-results-2" in again.stdout
 
 
+@pytest.mark.slow
 def test_json_is_json_and_says_null_with_a_status(tmp_path):
     coarse = ["--set", "accuracy.slices=15"]
     done = command(
@@ -160,6 +161,7 @@ def test_a_result_comes_back_as_it_was_and_can_be_run_again(tmp_path):
     assert all("units" in v.attrs and "long_name" in v.attrs for v in stored.variables.values())
 
 
+@pytest.mark.slow
 def test_cite_names_the_sources_of_a_scene_and_of_its_result(tmp_path):
     of_scene = command("cite", "1032930-30C", cwd=tmp_path).stdout
     assert of_scene.startswith("Klebanov")
@@ -365,6 +367,7 @@ def test_results_are_replaced_and_nothing_beside_them(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
 
 
+@pytest.mark.slow
 def test_a_report_replaces_reports_only(tmp_path):
     command("run", "1032930-70C", *QUICK, "--out", "o", cwd=tmp_path)
     report = ["report", "o/friction-curve.nc", "--out", "r.html", "--overwrite"]
@@ -424,6 +427,7 @@ def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_plan_says_what_is_left_out_and_why(tmp_path):
     said = json.loads(
         command(
@@ -465,7 +469,7 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
     assert "the misalignment" in rows["slices"]["reason"]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_report_from_stored_results(tmp_path):
     command(
         "run", "1032930-30C", "--set", "accuracy.slices=5", "--no-plots", "--out", "o", cwd=tmp_path
@@ -489,6 +493,7 @@ def test_report_from_stored_results(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_a_report_is_written_beside_the_results_and_belongs_to_them(tmp_path, monkeypatch):
     """It was written into the current folder; one that the manifest does not know would keep a run from its folder."""
     one = [
@@ -519,7 +524,7 @@ def test_a_report_is_written_beside_the_results_and_belongs_to_them(tmp_path, mo
 
 
 @pytest.mark.parametrize(
-    ("slices", "tolerance"), [(201, 1e-4), pytest.param(401, 1e-5, marks=pytest.mark.slow)]
+    ("slices", "tolerance"), [(201, 1e-4), pytest.param(401, 1e-5, marks=pytest.mark.soak)]
 )
 def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
     """What the plan leaves out or coarsens stays below the tolerance of the scene."""
@@ -538,7 +543,7 @@ def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
     assert float(np.abs(ratio - 1.0)) < 1e-3
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_every_shipped_scene_runs(tmp_path):
     for name in shipped_scenes():
         assert isinstance(rollslip.run(name).attrs["evaluations"], int | np.integer)

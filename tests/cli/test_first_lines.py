@@ -50,6 +50,7 @@ def assert_short(lines: list[str]) -> None:
     assert len(" ".join(lines).split()) <= MAX_WORDS
 
 
+@pytest.mark.slow
 def test_every_study_is_among_the_stored_results():
     missing = {name for name, offer in available("study").items() if offer.package == "rollslip"}
     assert missing <= {recorded.stored(name).attrs["study"] for name in STUDIES}

@@ -324,8 +324,18 @@ def test_python_names_an_option_that_is_none():
         (["\x03"], 130, "interrupted; nothing was left behind"),  # Ctrl-C
         (["\x04"], 130, "interrupted; nothing was left behind"),  # Ctrl-D
         (["\n", "\n", "fast\n", "\x04"], 130, "speed: 'fast' is not a number with a unit"),
-        (["\n"] * 8, 0, "written to my.toml: NU2210, iso-vg-68, 1500 rpm"),
-        (["\xff\x1b\n", *["\n"] * 8], 0, "written to my.toml: NU2210"),
+        pytest.param(
+            ["\n"] * 8,
+            0,
+            "written to my.toml: NU2210, iso-vg-68, 1500 rpm",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            ["\xff\x1b\n", *["\n"] * 8],
+            0,
+            "written to my.toml: NU2210",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_keys_at_a_terminal_end_it_or_are_answers(keys, code, says, tmp_path):

@@ -34,6 +34,7 @@ def shell(command: str, folder: Path, **environment: str) -> "subprocess.Complet
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["schema", "--help", "models film", CURVE])
 def test_a_full_output_is_one_sentence(command: str, tmp_path: Path) -> None:
     done = shell(f"{PROGRAM} {command} >/dev/full", tmp_path)
@@ -43,12 +44,13 @@ def test_a_full_output_is_one_sentence(command: str, tmp_path: Path) -> None:
     assert (tmp_path / "o" / "friction-curve.nc").exists() == (command == CURVE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "where",
     [
         ">&- 2>&- <&-",
         "2>/dev/full | head -1",
-        *(pytest.param(one, marks=pytest.mark.slow) for one in (">&-", "2>&-", "2>/dev/full")),
+        *(pytest.param(one, marks=pytest.mark.soak) for one in (">&-", "2>&-", "2>/dev/full")),
     ],
 )
 def test_results_are_kept_whatever_becomes_of_the_streams(where: str, tmp_path: Path) -> None:
@@ -61,6 +63,7 @@ def test_results_are_kept_whatever_becomes_of_the_streams(where: str, tmp_path: 
     assert "Traceback" not in done.stderr + done.stdout
 
 
+@pytest.mark.slow
 def test_a_name_that_the_locale_cannot_write_loses_nothing(tmp_path: Path) -> None:
     (tmp_path / "größe.toml").write_bytes(SHIPPED.read_bytes())
     old = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}

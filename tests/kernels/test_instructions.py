@@ -36,6 +36,7 @@ def slower(counted, table):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64"), reason="the table is that of x86-64"
 )

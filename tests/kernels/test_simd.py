@@ -102,6 +102,7 @@ def filled(tmp_path_factory):
     return found
 
 
+@pytest.mark.slow
 def test_all_sets_that_fuse_give_the_same_bits(filled):
     fused = [values for name, values in filled.items() if name != "baseline"]
     for values in fused[1:]:
@@ -110,6 +111,7 @@ def test_all_sets_that_fuse_give_the_same_bits(filled):
             assert value.tobytes() == fused[0][key].tobytes(), key
 
 
+@pytest.mark.slow
 def test_the_baseline_differs_by_rounding(filled):
     widest = filled[simd.available()[-1]]
     assert widest.keys() == filled["baseline"].keys()
@@ -136,6 +138,7 @@ def test_neighbours_change_no_bit_of_a_slice():
             )
 
 
+@pytest.mark.slow
 def test_the_command_line_says_which_runs_and_refuses_what_is_not_there():
     def info(name):
         code = "from rollslip.cli import main; main(['info'])"
@@ -231,7 +234,7 @@ def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, rings, mon
         assert one.tobytes() == other.tobytes()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_rates_of_motions_are_the_same_bits_on_sets_that_fuse_and_differ_by_rounding_on_others(
     tmp_path,
 ):

@@ -259,14 +259,14 @@ def test_shapes_are_kept_and_checked():
         vector_math.pow([1.0, 2.0], [1.0])
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @every_function
 def test_worst_error_over_the_whole_range_long(name):
     worst, at = error_of(name, simd.active(), 100_000, seed=3)
     assert worst <= FUNCTIONS[name][2], at
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_worst_error_of_powers_long():
     worst, *at = pow_error(simd.active(), 100_000, seed=3)
     assert worst <= 1.3, at

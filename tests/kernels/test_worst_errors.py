@@ -26,6 +26,9 @@ pytestmark = pytest.mark.skipif(
     reason="the rounding of the baseline is that of x86-64",
 )
 
+#: Instruction set -> when its errors are looked at; that of most processors always.
+RARE = {"v4": pytest.mark.soak, "baseline": pytest.mark.slow}
+
 
 @cache
 def filled(name):
@@ -41,7 +44,7 @@ def too_large(row, got):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(one, marks=pytest.mark.slow if one == "v4" else ()) for one in simd.available()],
+    [pytest.param(one, marks=RARE.get(one, ())) for one in simd.available()],
 )
 def test_no_law_is_farther_from_fifty_digits_than_it_was(name):
     got = filled(name)
@@ -51,6 +54,7 @@ def test_no_law_is_farther_from_fifty_digits_than_it_was(name):
     ] == []
 
 
+@pytest.mark.slow
 def test_an_error_of_a_few_bits_more_is_caught():
     """In every law and column that the table names, in the set that is first of all."""
     for row in (row for row in ROWS if row["set"] == "baseline"):

@@ -244,6 +244,7 @@ def test_what_a_scene_gets_wrong(changes, says):
         own(**changes)
 
 
+@pytest.mark.slow
 def test_the_choice_reaches_the_contacts_the_plan_and_the_citations():
     scene = evolve(
         load_scene("1032930-70C"),
@@ -431,6 +432,7 @@ def test_a_strangers_law_is_named_like_ours(monkeypatch):
         assemble(evolve(scene, {"lubricant.pressure_viscosity_law": "flatt"}))
 
 
+@pytest.mark.slow
 def test_barus_is_told_first_where_a_scene_names_it():
     scene = evolve(
         load_scene("1032930-70C"), {"study.effective-friction.points": 9, "accuracy.slices": 11}

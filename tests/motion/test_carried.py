@@ -260,7 +260,7 @@ def test_rates_read_the_speeds_of_the_rings_and_the_direction_of_the_load(level)
         )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_within_pockets_a_bearing_goes_through_a_history_as_another_integration_says():
     """DOP853 of the equations in NumPy to 1e-9, ours to 1e-10, until rollers have touched and left their bars."""
     end = 1.5e-3

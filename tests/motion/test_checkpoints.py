@@ -490,7 +490,7 @@ def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
             {"NAN": "160"},
             2,
             "drag 'slow' gives a torque of nan at cage, inner and outer speed",
-            marks=pytest.mark.slow,
+            marks=pytest.mark.soak,
         ),
     ],
 )

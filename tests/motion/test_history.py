@@ -193,7 +193,7 @@ def test_a_fault_of_a_file_is_told_with_its_line(tmp_path, text, said, long):
     assert said in str(caught.value)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_million_points_are_read_as_the_slow_way_reads_them(tmp_path):
     t = np.linspace(0.0, 1.0, 1_000_001)
     rows = [f"{a:.7f}, {b:.2f}" for a, b in zip(t, 5900.0 + 300.0 * np.sin(9.0 * t), strict=True)]
@@ -227,7 +227,7 @@ def test_the_compiled_courses_are_those_of_the_settings():
 
 
 @pytest.mark.parametrize(
-    "name", ["conventional", pytest.param("effective", marks=pytest.mark.slow)]
+    "name", ["conventional", pytest.param("effective", marks=pytest.mark.soak)]
 )
 @pytest.mark.parametrize(
     ("raw", "key", "unit"),
@@ -235,7 +235,7 @@ def test_the_compiled_courses_are_those_of_the_settings():
         ({"radial_load": {"shape": "ramp", "to": "600 N", "within": "1 s"}}, "radial_load", "N"),
         pytest.param(
             {"temperature": {"shape": "ramp", "to": "30 degC", "within": "1 s"}}, "temperature", "K",
-            marks=pytest.mark.slow,
+            marks=pytest.mark.soak,
         ),
         ({"roller_temperature": {"shape": "ramp", "to": "40 degC", "within": "1 s"}}, "roller_temperature", "K"),
     ],
@@ -289,6 +289,7 @@ def test_a_bearing_rests_where_rings_cage_and_rollers_stand_or_spin_freely():
     assert moving.at_rest(0.5, 0.6, free)
 
 
+@pytest.mark.slow
 def test_two_axes_are_followed_together():
     way = history(
         {

@@ -343,6 +343,7 @@ def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, p
     assert np.mean((between.normalised_slip > ends[0]) & (between.normalised_slip < ends[1])) > 0.9
 
 
+@pytest.mark.slow
 @given(number=st.integers(0, 10_000), order=st.permutations([0.003, 0.02, 0.15, 0.4, 0.7, 0.9]))
 @settings(max_examples=6, deadline=None)
 def test_the_order_of_questions_changes_no_bit(number, order):
@@ -929,6 +930,7 @@ def test_a_maximum_has_nine_samples_on_four_times_the_positions():
     assert motions.resolution == (4, 8)
 
 
+@pytest.mark.slow
 def test_a_steady_slip_beside_which_few_loads_of_a_roller_find_it_is_a_balance_on_all_slices():
     """By few loads the excess passes zero just above 4.70 %, a slip of the branch, and by all slices below it."""
     bearing = assemble(scenes.wide(100_600))
@@ -996,7 +998,7 @@ def in_time(monkeypatch):
     return __import__("loading_branch_in_time")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("row", IN_TIME, ids=[f"{row['kind']} {row['number']}" for row in IN_TIME])
 def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time_or_at_none_if_it_does_not(
     row, in_time
@@ -1012,7 +1014,7 @@ def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time_or_at_none_if_it_
     assert (low <= away.drag <= high) == (row["agrees"] == "1")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("kind", "number"), [("catalogue", 1), ("wide", 1), ("wide", 12), ("wide", 35)]
 )

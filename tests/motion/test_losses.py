@@ -178,6 +178,7 @@ def test_one_drag_named_twice_is_two_sources():
     assert [loss.source for loss in found.losses[-2:]] == ["constant-torque", "constant-torque 2"]
 
 
+@pytest.mark.slow
 def test_the_study_tells_losses_by_source_and_what_the_rings_put_in():
     result = run(
         evolve(

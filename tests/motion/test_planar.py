@@ -306,7 +306,7 @@ def test_at_every_moment_of_a_history_rates_are_those_of_lagranges_equations(t):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_speed_load_and_its_direction_over_time_move_it_as_lagranges_equations_do():
     """DOP853 of Lagrange's equations to 1e-11, ours to 1e-10; half a millisecond is ten swings of a roller."""
     end = 5e-4

@@ -646,6 +646,7 @@ class Plain:
                                head[2:4], head[10 + m : 10 + 2 * m], rollers[:, 1], rollers[:, 4]))  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turning", [False, True])
 def test_it_moves_as_own_equations_do_under_scipy(turning):
     """A third way to write it down, integrated by DOP853; ours by our Dormand and Prince, and by leapfrog's steps."""

@@ -163,6 +163,7 @@ def test_a_small_axial_load_hardly_changes_the_slip():
     assert running(balance(1e-2, coefficient(0.02))).slip == pytest.approx(without, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_sign_of_the_effect_depends_on_the_friction_of_the_ribs():
     """The prototype: a film lowers the slip, a coefficient of 0.02 raises it, one of 0.1 drives the cage ahead."""
     without = running(balance(0.0)).slip

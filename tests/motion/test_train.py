@@ -149,6 +149,7 @@ def torques_without_a_cage():
     return np.array([[pair[0].torque for pair in row] for row in motions])
 
 
+@pytest.mark.slow
 def test_a_spin_that_alternates_is_averaged_for_as_long_as_its_torque_needs(monkeypatch):
     # half of _MAX_STALLED_STEPS and of _STALL_RATIO leave 0.7 % and 3 % in place of 0.4 %; twice of them take 257 and
     # 285 iterations in place of 230
@@ -225,7 +226,7 @@ def test_a_motion_in_time_without_a_cage_is_refused(level):
         Dynamics(level=level).moving(assemble(NONE))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_coefficient_may_be_set_where_only_the_name_says_that_there_is_no_cage():
     bare = apart(PAPER, model="none")
     bare = evolve(bare, {"models.separator": "none"})

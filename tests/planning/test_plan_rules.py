@@ -57,8 +57,9 @@ def cheap(x):
     return x[12] < 1 / 3 and x[8] < 15 / 16 and "maxwell" not in traction
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "k", [*range(2), *(pytest.param(k, marks=pytest.mark.slow) for k in range(2, 12))]
+    "k", [*range(2), *(pytest.param(k, marks=pytest.mark.soak) for k in range(2, 12))]
 )
 def test_a_plan_keeps_the_error_that_a_scene_states(k):
     x = [x for x in points(128) if cheap(x)][k]
@@ -67,7 +68,7 @@ def test_a_plan_keeps_the_error_that_a_scene_states(k):
     assert verdict.kept, (verdict.tolerance, verdict.actual, verdict.resolution)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("k", range(200))
 def test_a_plan_keeps_its_word_against_the_finest(k):
     verdict = judge(scene(points(200)[k]))
@@ -254,6 +255,7 @@ def test_a_bound_is_watched_at_every_evaluation():
     assert watched.at(Resolution(slices=9)).inner.chain.bounds == (bound,)
 
 
+@pytest.mark.slow
 def test_a_result_says_what_was_estimated_and_found():
     made = plan(BASE, STUDY)
     result = execute(made, STUDY)
@@ -321,7 +323,7 @@ def test_a_bound_is_that_of_the_largest_error():
     assert sample_errors(two, one) == {"friction": pytest.approx(0.1), "critical_slip": np.inf}
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_followed_branch_is_watched_too():
     """Slips followed to where the bearing is so hot that its films are thin: what was left out is taken back in."""
     cool = evolve(

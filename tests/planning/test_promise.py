@@ -261,6 +261,7 @@ def test_slices_that_hardly_touch_move_no_friction():
     )
 
 
+@pytest.mark.slow
 def test_a_film_just_before_rollers_jump_is_seen_to_be_thinner():
     """Rollers that the inner ring hardly loads stay slow; the heaviest of them is between two positions.
 
@@ -308,7 +309,7 @@ def _film_off(result, fine):
     return float(abs(least / true - 1.0).max())
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("k", range(40))
 def test_no_random_scene_misses_in_silence(k):
     found = judge(scene(k))
@@ -575,7 +576,7 @@ def test_a_minimum_load_is_told_in_numbers_where_by_other_slices_the_cage_skids_
     assert 0.8 * actual <= rows["minimum load"] <= 3.0 * actual
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_an_answer_stands_where_the_witness_of_its_error_finds_no_equilibrium():
     result = run(
         loading_branch_scenes.wide(100_000), "steady-slip"

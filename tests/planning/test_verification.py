@@ -330,6 +330,7 @@ def test_errors_that_were_found_stand_beside_those_that_were_foreseen(plan):
                                 "estimated": plan.choices["effective-friction"].total["friction"]}  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_limit_drag_with_play_is_verified_by_one_with_play():
     """By one of rollers that are set in the cage it erred by 1.2 %, and the tolerance of 1 % not kept."""
     scene = new(

@@ -419,6 +419,6 @@ def test_a_scene_takes_each_blend(name):
         plan(evolve(scene, {"models.traction": {"model": name, "exponents": 2.0}}, si=True))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 class TestOtherParameters(Conformance):
     models = BLENDS[1::2]

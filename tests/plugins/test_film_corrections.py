@@ -425,7 +425,7 @@ def test_a_name_makes_it():
     assert model == InletCorrection(film=Regime(), thermal="gupta", oil_layer=5e-7)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 class TestOtherParameters(Conformance):
     models = tuple(
         InletCorrection(film=film, thermal=thermal, oil_layer=5e-7)

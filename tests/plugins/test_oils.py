@@ -71,7 +71,7 @@ def members(kind, name):
     return model.reads & CONDITIONS.keys()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @every_oil
 @pytest.mark.parametrize("law", ["barus", "roelands"])
 def test_every_oil_runs_every_traction_and_film_and_the_drags(oil, law):

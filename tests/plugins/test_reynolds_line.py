@@ -199,8 +199,8 @@ def test_halving_the_elements_divides_the_change_by_sixteen_and_more(M, L):
         (1.5, 12.0),
         (2.0, 9.0),
         (20.0, 0.0),
-        pytest.param(5.0, 15.0, marks=pytest.mark.slow),
-        pytest.param(20.0, 15.0, marks=pytest.mark.slow),
+        pytest.param(5.0, 15.0, marks=pytest.mark.soak),
+        pytest.param(20.0, 15.0, marks=pytest.mark.soak),
     ],
 )
 def test_the_stated_error_is_not_too_small(M, L):

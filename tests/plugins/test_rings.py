@@ -90,6 +90,7 @@ def loads(n_positions=4, **changes):
 # The rings ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_opposed_forces_on_a_free_ring_flatten_it_as_timoshenko_says():
     # pi/4 - 2/pi = 0.14878 along the forces, 1/2 - 2/pi = -0.13662 across, over F R^3/(E I) (Strength of Materials II)
     ring = bending(range(2, 2001))
@@ -978,6 +979,7 @@ def test_slip_follows_lobes_and_the_housing_that_holds_them():
     assert float(result.limit_drag.max()) == pytest.approx(2.0, rel=0.02)
 
 
+@pytest.mark.slow
 def test_plane_motion_tells_how_its_rings_yield():
     dynamics = {
         "level": "planar",
@@ -1091,6 +1093,7 @@ def drag(**changes):
     return study.skidding_onset(balance).drag
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("outside", [None, 0.21])
 @pytest.mark.parametrize(
     "state",
@@ -1213,6 +1216,7 @@ def test_the_shape_of_a_raceway_is_its_form_and_how_it_yields():
         )
 
 
+@pytest.mark.slow
 def test_a_result_of_rings_that_yield_has_their_figure_and_one_of_rigid_ones_has_none():
     yielding = scene(**{"models.outer_ring": {"model": "annulus", "outside": "0.23 m"}})
     result = run(yielding, "effective-friction")
@@ -1302,7 +1306,7 @@ def newton(c, starts):
     return Q[0]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "rings",
     [

@@ -85,6 +85,7 @@ def test_the_rings_supply_what_seals_lose_and_nothing_else_changes(outer):
     assert without.external_torque == 0.0
 
 
+@pytest.mark.slow
 def test_a_result_has_the_seals_and_is_compared_with_formulas_without_them():
     plain = run(SCENE, "steady-slip")
     sealed = run(evolve(SCENE, {"models.loss": SEALS}), "steady-slip")
@@ -112,7 +113,7 @@ def test_the_heat_of_seals_has_to_be_carried_away():
     assert result.carried_away.to_numpy().sum() == pytest.approx(result.loss.to_numpy().sum())
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_seals_warm_a_bearing():
     changes = {"study.thermal-balance.points": 8}
     plain, sealed = (
@@ -136,7 +137,7 @@ def test_the_heat_of_a_motion_is_the_integral_of_the_power_over_its_history():
     assert [*heating._external_heat(assemble(SCENE), None, times, speeds)] == []
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_motion_is_heated_by_the_power_at_the_speeds_of_its_history():
     discovery.add("loss", Gear)
     duration = 0.02

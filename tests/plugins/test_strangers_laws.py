@@ -71,6 +71,7 @@ def friction(model):
     return slices.friction
 
 
+@pytest.mark.slow
 def test_a_limiting_stress_eyring_fluid_compiled():
     checked(LimitedEyring(), LimitedEyring(stress=2e6, limit=0.03))
     law = LimitedEyring(limit=0.03)
@@ -88,6 +89,7 @@ def test_a_limiting_stress_eyring_fluid_compiled():
     assert float(found.friction.max()) == pytest.approx(0.002, rel=1e-14)
 
 
+@pytest.mark.slow
 def test_a_rough_film():
     checked(RoughFilm(), RoughFilm(hardness=2e9))
     given = {
@@ -115,6 +117,7 @@ def test_a_rough_film():
     assert float(rough.film_thickness.min()) > 1.05 * float(smooth.film_thickness.max())
 
 
+@pytest.mark.slow
 def test_load_sharing_whose_film_and_traction_have_one_hardness():
     checked(
         LoadSharing(hydrodynamic=LimitedEyring()),
@@ -134,6 +137,7 @@ def test_load_sharing_whose_film_and_traction_have_one_hardness():
     assert float(soft.film_thickness.max()) < float(hard.film_thickness.max())
 
 
+@pytest.mark.slow
 def test_a_flange_drag_that_knows_the_load():
     checked(FlangeDrag(load=5e3, orbit=0.09))
     register(FlangeDrag)
@@ -154,6 +158,7 @@ def test_a_flange_drag_that_knows_the_load():
     assert found.sizes["steady"] >= 1
 
 
+@pytest.mark.slow
 def test_an_elastic_contact_in_series():
     checked(Seated(), Seated(seat=1e8), Seated(seat=1e13))
     loads = np.array([1e2, 1e4, 1e6])

@@ -353,6 +353,7 @@ def test_what_a_formula_lacks_is_told_and_the_others_are_given():
     assert "by formula 'constant-coefficient' the friction torque is" in lines
 
 
+@pytest.mark.slow
 def test_two_formulas_stand_there_by_default_an_empty_list_is_none_and_a_name_stands_once():
     assert run(SCENE, "steady-slip").formula.to_numpy().tolist() == ["palmgren-torque", "skf"]
     assert "formula_torque" not in run(evolve(SCENE, {"models.torque": []}), "steady-slip")
@@ -415,7 +416,7 @@ def sentences(scene):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_torque_far_from_the_formulas_is_told_and_one_near_them_is_not():
     near = sentences(named("NU210E"))
     bare = sentences(named("NU210E", **{"cage.drag": ["churning"]}))

@@ -35,6 +35,7 @@ def some(bench):
         yield name, judged[k % 9 :: 9]
 
 
+@pytest.mark.slow
 def test_the_default_torque_of_a_sample_is_near_makers_formulas(bench):
     found = [one for name, states in some(bench) for one in bench.held(name, only=states)]
     assert {one.series for one in found} == set(bench.SERIES)
@@ -57,6 +58,7 @@ def test_churning_alone_does_not_pass(bench):
     assert median < 0.3
 
 
+@pytest.mark.slow
 def test_the_torque_of_the_bench_is_that_of_the_study(bench):
     one = bench.scene("NU2216E", 4.6e5, 1, 1, "bath")
     quick, steady = bench.torque(assemble(one))

@@ -122,7 +122,7 @@ def test_friction_is_that_of_the_method_of_lines(row):
     assert abs(friction[0] / values["friction"] - 1) <= error[0] + values["error"]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @every_line
 def test_friction_is_that_of_the_method_of_lines_to_all_its_digits(row):
     slices, told, values = of_lines(row)
@@ -145,7 +145,7 @@ def test_temperatures_are_those_of_the_method_of_lines(row):
 FIFTY_DIGITS = rows_of(REFERENCES / "maxwell_eyring.csv")
 
 
-@pytest.mark.parametrize("cells", [1, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("cells", [1, pytest.param(5, marks=pytest.mark.soak)])
 def test_mean_pressure_and_mean_stress_give_the_exact_maxwell_eyring_stress(cells):
     """Against fifty digits, sigma 1e-8 to 1e8, D 1e-6 to 1e6, Phi 0 to 1e3; the grid has no part in it.
 
@@ -265,7 +265,7 @@ def test_a_film_between_insulating_walls_warms_uniformly():
     [
         (1e-3, 4.0),
         (3.0, 12.0),
-        *(pytest.param(0.1, barus, marks=pytest.mark.slow) for barus in (12.0, 60.0)),
+        *(pytest.param(0.1, barus, marks=pytest.mark.soak) for barus in (12.0, 60.0)),
     ],
 )
 def test_cold_stress_over_hertz_pressure_is_that_of_its_equation(deborah, barus):
@@ -389,7 +389,8 @@ def test_the_scheme_is_of_second_order(speed, modulus):
     np.testing.assert_allclose(steps[:-1] / steps[1:], 4, rtol=0.1)
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [12, pytest.param(1000, marks=pytest.mark.soak)])
 def test_the_estimate_holds_against_the_finest_grid(count):
     """Contacts of bearings and gears, drawn evenly, the same in every run: once in a thousand it is 11 % too small."""
     draw = np.random.default_rng(11).uniform

@@ -548,7 +548,7 @@ def test_muraki_falls_with_the_eyring_stress_in_a_hot_film(model):
 # Two forms of one law ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @every_fluid
 @settings(max_examples=1000)
 @given(film=films(heating=decades(-6, 3), deborah=decades(-8, 7)))

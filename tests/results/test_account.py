@@ -76,6 +76,7 @@ def test_every_study_and_campaign_of_the_box_has_an_account():
         assert type(account).__module__ == offer.module
 
 
+@pytest.mark.slow
 def test_accounts_are_found_by_the_attribute_study_and_load_no_matplotlib():
     code = (
         "import sys, xarray\n"

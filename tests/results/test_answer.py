@@ -470,6 +470,7 @@ def test_commands_that_are_named_next_work_as_pasted(ran):
     assert float(slip[0]) < 0.05
 
 
+@pytest.mark.slow
 def test_with_a_report_it_is_read_next_and_does_not_ask_for_itself(ran):
     folder, *_ = ran
     given = [str(folder / "my.toml"), "--set", "operation.radial_load=20 kN", *SET_COARSE, *MURAKI]
@@ -542,6 +543,7 @@ def test_a_preload_that_does_not_drive_the_rollers_leaves_a_minimum_load():
     assert "makers" in str(answer_of(result))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_bands")
 def test_a_study_that_fails_leaves_the_answer_of_the_others(tmp_path):
     """Both rings turn nearly alike: no contact draws oil in within the range of slips of effective friction."""
@@ -584,6 +586,7 @@ def test_a_code_that_is_none_leads_to_what_explains_it(code, hint):
     assert hint in f"{done.exception} {done.stderr}"
 
 
+@pytest.mark.slow
 def test_a_minimum_load_below_the_weight_of_the_rollers_is_told_as_that():
     """Their weight is left out of the balance of loads."""
     scene = coarse("gearbox", {"accuracy.slices": 5, "models.traction": "muraki"})
@@ -693,6 +696,7 @@ def test_a_code_is_explained_by_what_its_bound_says_and_one_that_is_not_there_is
     assert "did you mean W11" in str(refused.exception)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_bands")
 def test_a_note_is_left_out_by_its_code(ran):
     folder, said, datasets = ran

@@ -79,6 +79,7 @@ def only(paths):
     return path
 
 
+@pytest.mark.slow
 def test_two_runs_write_the_same_bytes(tmp_path, everything, drawn):
     assert [path.name for path in drawn] == [
         "effective-friction.svg",
@@ -108,6 +109,7 @@ def test_another_process_with_another_style_writes_the_same_bytes(tmp_path):
     assert (tmp_path / "there" / here.name).read_bytes() == here.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_figure_loads_nothing_and_holds_no_bitmap(drawn):
     for path in drawn:
         root = ET.parse(path).getroot()
@@ -162,6 +164,7 @@ def test_words_name_the_curves_they_are_true_of(tmp_path):
     assert "518 N: no slip at largest traction" not in written
 
 
+@pytest.mark.slow
 def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
     full = " ".join(words(only(save_plots(contact(), tmp_path))))
     assert "(full film), rigid-piezoviscous" in full
@@ -179,6 +182,7 @@ def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
     assert "film" not in " ".join(words(only(save_plots(unsaid, tmp_path))))
 
 
+@pytest.mark.slow
 def test_a_closure_without_friction_on_the_outer_ring_gives_a_zero_line(tmp_path):
     result = effective(closure="outer-rolling", map_points=5, per_roller=True)
     paths = save_plots(result, tmp_path)
@@ -188,6 +192,7 @@ def test_a_closure_without_friction_on_the_outer_ring_gives_a_zero_line(tmp_path
     assert len(paths) == 3
 
 
+@pytest.mark.slow
 def test_gaps_in_the_curves_stay_gaps(tmp_path, everything):
     holed = everything.copy(deep=True)
     for name in ("effective_friction", "film_parameter"):
@@ -206,6 +211,7 @@ def test_curves_without_any_value_are_drawn_as_empty_axes(tmp_path):
     assert "In this range" not in curves(empty)[0].finding()
 
 
+@pytest.mark.slow
 def test_no_friction_at_all_is_drawn(tmp_path, everything):
     still = everything.copy(deep=True)
     for name in ("effective_friction", "roller_friction", "friction_map"):
@@ -318,6 +324,7 @@ def test_text_stays_text_in_words_that_can_be_read(drawn):
     assert "Effective friction coefficient μe [–]" in read
 
 
+@pytest.mark.slow
 def test_figures_are_written_in_all_formats_the_same_each_time(tmp_path):
     result = contact(points=5)
     first = save_plots(result, tmp_path / "a", tuple(FORMATS))

@@ -58,9 +58,10 @@ SLOW = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(one, marks=pytest.mark.slow if SLOW & {*one} else ()) for one in COMMANDS],
+    [pytest.param(one, marks=pytest.mark.soak if SLOW & {*one} else ()) for one in COMMANDS],
     ids=["-".join(one[:2]) for one in COMMANDS],
 )
 def test_every_number_in_json_has_a_unit(command, tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ def test_a_stored_result_is_told_and_drawn_as_recorded(name):
     assert recorded.text_of(name).splitlines() == text.splitlines()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", recorded.RESULTS)
 def test_labels_of_ticks_do_not_overlap_and_texts_are_within_figures_of_one_or_two_columns(name):
     with style.context(["default", dict(STYLE)]):

@@ -124,6 +124,7 @@ def page(results, figures, tmp_path):
     return written(results, figures, tmp_path, **provenance())
 
 
+@pytest.mark.slow
 def test_the_answer_stands_before_all_else(results, figures, tmp_path):
     page = written(results, figures, tmp_path, **provenance())
     datasets = [dataset.assign_attrs(provenance()) for dataset in results.values()]
@@ -238,6 +239,7 @@ def test_the_first_page_has_verdict_rows_inputs_one_figure_and_notes_and_all_els
     assert "section:has(> details:not([open])) { display: none; }" in printed
 
 
+@pytest.mark.slow
 def test_the_first_page_is_one_sheet_of_a4_also_with_all_notes_and_assumptions(skidding):
     _, page = skidding
     _, first = page()
@@ -472,6 +474,7 @@ def test_steel_and_oil_in_the_contacts_are_in_a_file_of_the_page(page):
     assert "12986 J/(m2 K s^0.5)" in text
 
 
+@pytest.mark.slow
 def test_a_report_has_at_most_1500_words(tmp_path):
     """Its text without that of figures; also what is folded."""
     rollslip.report(rollslip.run("gearbox"), out=tmp_path / "report.html")
@@ -553,6 +556,7 @@ def test_texts_of_users_are_escaped(results, figures, tmp_path):
     ET.fromstring(html)
 
 
+@pytest.mark.slow
 def test_captions_are_escaped(results, tmp_path):
     hostile = results["effective-friction"].assign_attrs(closure=HOSTILE)
     html = written({"e": hostile}, {"e": save_plots(hostile, tmp_path)}, tmp_path)

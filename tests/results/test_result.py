@@ -32,6 +32,7 @@ def result(scene):
     return rollslip.run(scene)
 
 
+@pytest.mark.slow
 def test_it_is_the_dataset_of_the_first_study_and_holds_all(scene, result):
     made = rollslip.plan(scene)
     first = next(iter(made.studies))
@@ -57,6 +58,7 @@ def test_what_was_interrupted_is_the_last_study_that_ran(scene, monkeypatch):
     assert list(rollslip.run(scene).studies) == ["effective-friction"]
 
 
+@pytest.mark.slow
 def test_answer_notes_and_figures_are_those_of_all_studies(result):
     studies = [one.to_dataset() for one in result.studies.values()]
     assert result.answer == rollslip.answer(*studies)
@@ -83,7 +85,7 @@ def test_what_is_computed_from_it_shows_itself_as_a_dataset(result):
     assert list(inner.studies) == ["effective-friction"]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_what_is_next_runs_in_python_where_the_scene_has_no_file(
     scene, result, tmp_path, monkeypatch
 ):
@@ -103,6 +105,7 @@ def test_what_is_next_runs_in_python_where_the_scene_has_no_file(
     assert rollslip.run("gearbox", "steady-slip").answer.next == ("rollslip run gearbox --report",)
 
 
+@pytest.mark.slow
 def test_a_report_is_that_of_the_command(result, tmp_path):
     files = [str(tmp_path / f"{name}.nc") for name in result.studies]
     for file, one in zip(files, result.studies.values(), strict=True):
@@ -135,7 +138,7 @@ def test_info_is_that_of_the_command(result, tmp_path):
     assert "<pre>" in rollslip.info()._repr_html_()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_notebook_of_the_lecture_has_ten_lines_and_each_cell_shows_something(
     tmp_path, monkeypatch
 ):

@@ -27,6 +27,7 @@ def swept():
     )
 
 
+@pytest.mark.slow
 def test_a_run_has_the_rows_of_its_answer():
     scene = coarse("gearbox", {"accuracy.slices": 3, "models.traction": "muraki"})
     result = rollslip.run(scene, "steady-slip")
@@ -62,6 +63,7 @@ def test_a_run_has_the_rows_of_its_answer():
     assert head == ["quantity", "value", "unit", "low", "high", "in words", "remark"]
 
 
+@pytest.mark.slow
 def test_many_points_have_a_row_each_in_people_s_units(swept):
     head, rows = sheet(swept)
     assert head[:2] == ["operation.inner_speed [rpm]", "operation.temperature [degC]"]
@@ -72,6 +74,7 @@ def test_many_points_have_a_row_each_in_people_s_units(swept):
     assert {row[head.index("status")] for row in rows} == {"ok"}
 
 
+@pytest.mark.slow
 def test_in_python_a_table_is_one_of_pandas(swept):
     made = rollslip.table(swept)
     (head, rows) = sheet(swept)
@@ -89,6 +92,7 @@ def test_what_is_not_known_is_an_empty_cell_and_a_curve_stays_in_its_file():
     )
 
 
+@pytest.mark.slow
 def test_the_command_writes_tables_and_no_plots_unless_asked(tmp_path):
     done = CliRunner().invoke(
         cli,

@@ -205,6 +205,7 @@ scene_keys = st.sampled_from(
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(scene_keys, json_values, max_size=3))
 def test_any_change_gives_a_scene_or_a_scene_error(changes: dict[str, object]) -> None:
     scene = parse_scene(SCENE, "scene.toml")

@@ -616,7 +616,7 @@ damage = "flash-temperature"
 """
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("study", "level"),
     [
@@ -645,7 +645,7 @@ def test_every_study_has_the_clearance_of_the_mounting_and_tells_its_sum(study, 
         )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_temperatures_of_a_motion_change_the_clearance_once():
     light = "".join(
         f", {part}_capacity = '1 mJ/K'" for part in ("oil", "inner_ring", "outer_ring", "rollers")

@@ -130,6 +130,7 @@ def test_more_than_half_of_the_radial_load_is_unknown():
     assert any("60 % of the radial load" in text for text in implausible(loaded(900.0)))
 
 
+@pytest.mark.slow
 def test_a_pure_axial_load_is_said_to_resist_slip_little():
     found = result(loaded(300.0, **{"operation.radial_load": 0.0}))
     assert answer_of(found).facts[Fact.AXIAL_RATIO] == math.inf
@@ -148,6 +149,7 @@ def test_edge_contact_is_said():
     assert "beyond the edge of the rib" in account_of(found).topics(found)["axial load"][0]
 
 
+@pytest.mark.slow
 def test_ribs_that_drive_the_cage_give_a_negative_slip_with_a_reserve():
     rib = {"model": "constant", "coefficient": 0.1}
     found = result(loaded(600.0, **{"models.rib": rib}))
@@ -185,6 +187,7 @@ def test_a_factor_of_rib_friction_is_a_key_of_the_default_law():
     assert assemble(loaded(300.0, **{"models.rib.factor": 2.0})).rib.factor == 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("study", ["effective-friction", "rating-life", "surface-damage"])
 def test_other_studies_take_an_axial_load(study):
     found = run(loaded(400.0), study)
@@ -193,6 +196,7 @@ def test_other_studies_take_an_axial_load(study):
         assert "the axial load is 0.27 of the radial one" in str(found["life_limits"].item())
 
 
+@pytest.mark.slow
 def test_a_thermal_balance_has_the_losses_of_ribs():
     scene = loaded(400.0, **CONSTANT_RIB)
     found = settings(scene, "thermal-balance")["thermal-balance"].run(assemble(scene))
@@ -201,6 +205,7 @@ def test_a_thermal_balance_has_the_losses_of_ribs():
     assert (losses > 0.0).all()
 
 
+@pytest.mark.slow
 def test_slips_are_swept_over_the_axial_load(tmp_path):
     swept = rollslip.sweep(
         loaded(100.0, **CONSTANT_RIB),

@@ -61,7 +61,7 @@ def steady():
     return rollslip.run(SCENE, "steady-slip")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with_load():
     """One quantity of known quantiles: the ends are the least loads at these values, each computed for itself."""
     deviation = 0.4
@@ -231,13 +231,14 @@ def motion_of(balance):
     return slip, power_balance(balance, balance.orbit(min(slip, 0.95))).friction_torque
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "count"),
     [
         (SCENE, 150),
-        pytest.param("gearbox", 300, marks=pytest.mark.slow),
-        pytest.param("turbine", 300, marks=pytest.mark.slow),
-        pytest.param(350_008, 300, marks=pytest.mark.slow),
+        pytest.param("gearbox", 300, marks=pytest.mark.soak),
+        pytest.param("turbine", 300, marks=pytest.mark.soak),
+        pytest.param(350_008, 300, marks=pytest.mark.soak),
     ],
 )
 def test_one_in_twenty_plain_samples_is_below_the_band_and_as_many_above(scene, count):
@@ -273,6 +274,7 @@ def test_without_a_steady_slip_or_without_scatter_there_is_no_band(steady, monke
     assert Band(0.5, math.inf, "x").high == math.inf
 
 
+@pytest.mark.slow
 def test_a_driven_cage_has_a_band_up_to_slips_at_which_drags_brake_it():
     """A turning outer ring carries unloaded rollers along; more oil between them brakes."""
     bearing = new("NU310", oil="iso-vg-100", speed="1 rpm", load="600 N", temperature="80 degC")
@@ -328,6 +330,7 @@ def test_what_another_law_makes_of_a_slip_is_a_number_or_not_said(
     assert len(notes) >= 5
 
 
+@pytest.mark.slow
 def test_another_law_without_compiled_form_is_evaluated_like_one_with_it(steady, monkeypatch):
     def consequence():
         rows = band.consequences(SCENE, band._coarse_assembly(SCENE), steady, 0.0077)
@@ -359,6 +362,7 @@ def test_what_other_laws_make_of_no_slip_is_not_evaluated(slip, steady):
     assert band.consequences(SCENE, band._coarse_assembly(SCENE), steady, slip) == []
 
 
+@pytest.mark.slow
 def test_the_command_tells_bands_beside_its_numbers(tmp_path):
     arguments = [
         "run",
@@ -411,6 +415,7 @@ def with_play():
     return made, found, {row["key"]: row for row in changes}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", CHANGED)
 def test_slips_with_play_are_those_of_runs_at_other_values(key, with_play):
     made, _, changes = with_play
@@ -427,6 +432,7 @@ def test_slips_with_play_are_those_of_runs_at_other_values(key, with_play):
         assert math.log(slip / of_run) == pytest.approx(0.0, abs=CHANGED[key])
 
 
+@pytest.mark.slow
 def test_the_band_reaches_to_bars_of_metal_and_to_other_play(with_play):
     made, found, changes = with_play
     slip = float(found.steady_slip[0])

@@ -25,7 +25,7 @@ def test_no_limit_no_temperature_and_no_worst_value_is_missed():
     assert len({tuple(one[:2]) for one in TABLE if one[7] == "told"}) <= 2
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(("kind", "k"), [("limit", 8), ("balance", 2), ("damage", 41)])
 def test_a_scene_has_the_numbers_of_the_table(kind, k, monkeypatch):
     monkeypatch.syspath_prepend(REFERENCES)

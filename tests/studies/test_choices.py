@@ -80,6 +80,7 @@ def test_values_that_rollslip_new_assumed_are_chosen_once_they_are_changed():
     assert assumed_keys(rollslip.load_scene("gearbox")) == []
 
 
+@pytest.mark.slow
 def test_a_choice_that_makes_the_cage_skid_makes_the_verdict_unknown_and_comes_first(monkeypatch):
     """The example of a bearing that idles in a wind gearbox; slips of whole runs are beside it."""
     coarse = {"accuracy.slices": 21, "accuracy.tolerance": 0.05, "study.steady-slip.points": 9}

@@ -32,7 +32,7 @@ from twelve_rollers import FAST, FRICTIONS, LEVELS, SHIPPED, WITH_SKIDDING, bear
 #: All levels with all frictions; those that are long only by name.
 LONG = {("planar", "constant"), ("planar", "conventional"), ("pocket", "constant")}
 EVERY = [
-    pytest.param(level, friction, marks=[pytest.mark.slow] if (level, friction) in LONG else [])
+    pytest.param(level, friction, marks=[pytest.mark.soak] if (level, friction) in LONG else [])
     for level in LEVELS
     for friction in FRICTIONS
 ]
@@ -186,6 +186,7 @@ def test_a_slip_that_fluctuates_over_few_orbits_is_steady_within_the_scatter_of_
     assert found.error <= 0.25 * found.slip
 
 
+@pytest.mark.slow
 def test_a_steady_motion_has_a_reserve_to_skidding_and_a_verdict():
     """Also one that is steady on average: its error is the band of the slip."""
     settings = {"level": "pocket", "friction": "effective", "duration": "0.8 s", "points": 801}
@@ -282,7 +283,7 @@ def test_the_same_run_is_the_same_to_the_last_bit():
         ("cage-set", "effective"),
         ("cage-set", "conventional"),
         ("planar", "effective"),
-        pytest.param("planar", "conventional", marks=pytest.mark.slow),
+        pytest.param("planar", "conventional", marks=pytest.mark.soak),
     ],
 )
 def test_a_smaller_tolerance_brings_the_answer_nearer(level, friction):
@@ -349,7 +350,7 @@ def test_effective_friction_moves_the_bearing_as_conventional_friction_does():
     assert float(other.cage_slip[-1]) == pytest.approx(float(one.cage_slip[-1]), rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_steady_slip_is_that_of_study_steady_slip():
     assembly, one, other = braked(6.0)
     slip = float(SteadySlip().run(assembly).steady_slip[0])

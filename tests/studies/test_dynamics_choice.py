@@ -112,6 +112,7 @@ def test_frictions_are_compared_no_longer_than_it_takes_to_tell():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("play", "chosen"), [("20 um", "cage-set"), ("0.2 mm", "pocket")])
 def test_rollers_move_in_their_pockets_where_that_moves_the_slip_of_the_cage(play, chosen):
     assembly = bearing(cage__pocket_clearance=play, accuracy__tolerance=0.05)
@@ -184,6 +185,7 @@ def test_what_is_stiff_keeps_the_integrator_of_the_study(level, friction, change
         assert damped(study, bearing(**changes), 1e-3) > 0.3
 
 
+@pytest.mark.slow
 def test_from_rest_one_that_follows_its_error_serves_where_it_needs_far_fewer_rates():
     """Rollers at rest are damped by their films at 1e7/s, which an explicit method passes in short steps."""
     rest = {"cage_slip": 1.0, "roller_slip": 1.0, "friction": "conventional", "level": "pocket"}
@@ -223,7 +225,7 @@ def test_at_cage_set_friction_that_sets_in_at_once_is_stiff():
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("level", ["cage-set", "pocket"])
 @pytest.mark.parametrize("number", [0, 3, 5, 8, 10, 16, 18, 22])
 def test_no_rival_goes_through_a_random_bearing_with_many_fewer_rates(number, level):
@@ -265,7 +267,7 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
     assert set(study.cost(assembly)) == {"tables", "motion", "skidding"}
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
     """By its beginning alone, the stiffest part of it, it was foreseen to take a hundred times as much."""
     up = {"inner_speed": {"shape": "run-up", "within": "0.3 s"}}
@@ -321,6 +323,7 @@ def test_errors_fade_as_fast_as_a_cage_that_is_held_by_its_drag_alone_comes_to_i
     )
 
 
+@pytest.mark.slow
 def test_a_longer_motion_that_settles_needs_hardly_smaller_steps():
     few = bearing()
     one, ten = (
@@ -330,7 +333,7 @@ def test_a_longer_motion_that_settles_needs_hardly_smaller_steps():
     assert one < ten < 2.0 * one
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_steps_of_a_plan_keep_the_mean_speed_of_the_cage_over_seconds():
     """Held against steps at 1e-7; single instants are chaotic."""
     settings = {"level": "pocket", "friction": "effective", "duration": 3.0, "points": 2001}

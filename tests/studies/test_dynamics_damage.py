@@ -182,7 +182,7 @@ def test_a_force_is_spread_whole_and_in_proportion(bearing):
     assert load / along == pytest.approx(np.full(along.size, load[0]), rel=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_settled_motion_has_the_damage_of_its_steady_slip():
     long = rollslip.evolve(SCENE, {"study.dynamics.duration": "3 s", "study.dynamics.points": 201})
     motion = Dynamics.from_scene(long).run(assemble(long))
@@ -196,7 +196,7 @@ def test_a_settled_motion_has_the_damage_of_its_steady_slip():
     assert any(name.endswith("-damage") for name, _, _ in motion_figures(motion))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_warm_instants_are_measured_at_their_temperatures():
     warm = rollslip.evolve(
         SCENE,

@@ -71,7 +71,7 @@ def labels(dataset):
 def rendered(*names):
     """Hard cases, of which those that are not named are for slow runs."""
     return [
-        pytest.param(name, marks=[] if name in names else [pytest.mark.slow])
+        pytest.param(name, marks=[] if name in names else [pytest.mark.soak])
         for name in hard_cases()
     ]
 
@@ -79,7 +79,7 @@ def rendered(*names):
 # Figures ------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_another_process_draws_the_stored_result_in_the_same_bytes(tmp_path, planar, drawn):
     planar.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
     (tmp_path / "matplotlibrc").write_text(
@@ -101,6 +101,7 @@ def test_another_process_draws_the_stored_result_in_the_same_bytes(tmp_path, pla
         assert (tmp_path / "there" / path.name).read_bytes() == path.read_bytes()
 
 
+@pytest.mark.slow
 def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
     for path in drawn:
         root = ET.parse(path).getroot()
@@ -134,6 +135,7 @@ def test_thick_films_do_not_take_the_scale_of_the_map(planar):
     assert bar.get_ylim()[1] <= 4.0 * np.nanmin(film)
 
 
+@pytest.mark.slow
 def test_a_figure_says_what_was_found(planar, drawn):
     for path in drawn:
         said = metadata(path, "description").casefold()
@@ -405,6 +407,7 @@ def test_the_report_says_it(tmp_path, planar, drawn):
     )
 
 
+@pytest.mark.slow
 def test_texts_of_models_are_escaped(tmp_path):
     hostile = motion(
         points=61,

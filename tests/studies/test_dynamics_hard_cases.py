@@ -27,14 +27,14 @@ LONG = {
 EVERY = pytest.mark.parametrize(
     ("level", "friction"),
     [
-        pytest.param(level, friction, marks=[pytest.mark.slow] if (level, friction) in LONG else [])
+        pytest.param(level, friction, marks=[pytest.mark.soak] if (level, friction) in LONG else [])
         for level in LEVELS
         for friction in FRICTIONS
     ],
 )
 ONE_BY_DEFAULT = pytest.mark.parametrize(
     "level",
-    ["cage-set", *(pytest.param(level, marks=pytest.mark.slow) for level in ("pocket", "planar"))],
+    ["cage-set", *(pytest.param(level, marks=pytest.mark.soak) for level in ("pocket", "planar"))],
 )
 
 
@@ -214,7 +214,7 @@ def test_in_huge_pockets_the_cage_is_alone(level, friction):
     [
         ("pocket", "effective"),
         ("planar", "effective"),
-        *(pytest.param(*one, marks=pytest.mark.slow) for one in sorted(LONG)),
+        *(pytest.param(*one, marks=pytest.mark.soak) for one in sorted(LONG)),
     ],
 )
 def test_rollers_stay_in_their_pockets(level, friction, stiffness):

@@ -95,7 +95,7 @@ def test_heat_is_stored_or_carried_away_to_rounding_and_is_what_the_ledger_lost(
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_after_a_long_time_temperatures_are_those_of_the_thermal_balance(tmp_path):
     long = scene(2.0, {"study.dynamics.duration": "12 s"})
     result = ran(long)
@@ -111,7 +111,7 @@ def test_after_a_long_time_temperatures_are_those_of_the_thermal_balance(tmp_pat
     save_figures(motion_figures(result), "", tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_heat_of_rolling_and_of_a_land_on_a_turning_ring_is_made_where_the_balance_has_it():
     """Places by the ledger against those by `rollslip_studies.motion.losses`, at a slip of 26 %."""
     changes = {
@@ -131,7 +131,7 @@ def test_heat_of_rolling_and_of_a_land_on_a_turning_ring_is_made_where_the_balan
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeypatch):
     bearing = assemble(scene(2.0, {"study.dynamics.duration": "0.3 s"}))
     study = Dynamics.from_scene(bearing.scene)
@@ -160,7 +160,7 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
         assert np.array_equal(rest[name], whole[name]), name
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("level", ["pocket", "planar"])
 def test_levels_that_resolve_contacts_conserve_heat_too(level):
     within = {
@@ -183,7 +183,7 @@ def test_levels_that_resolve_contacts_conserve_heat_too(level):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_temperatures_follow_along_a_history():
     """Half the time under another load: each half stores and loses what it does, and the wider contacts lose more."""
     step = {
@@ -203,7 +203,7 @@ def test_temperatures_follow_along_a_history():
     assert not np.array_equal(warm[-1], other[-1])
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_clearance_goes_with_the_temperatures_of_parts_that_expand():
     result = ran(scene(2.0, expansion="12e-6 1/K"))
     expansion = 12e-6
@@ -224,7 +224,7 @@ def test_the_clearance_goes_with_the_temperatures_of_parts_that_expand():
     assert grown > 1e-6
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_finer_motion_has_the_same_temperatures_by_both_frictions():
     """Against the course of the thermal balance too, which takes the slip at every temperature as steady."""
     found = {
@@ -319,7 +319,7 @@ def test_temperatures_beyond_the_data_of_the_oil_are_refused_in_words(monkeypatc
         heated(hot)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_losses_of_cold_oil_that_lead_beyond_its_data_are_approached_by_halves():
     many = {
         "cage.drag": [

@@ -185,7 +185,7 @@ def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directl
     assert speed[-1] > 1.02 * speed[0]  # it did run up
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_stopped_bearing_is_not_followed_on_once_it_stands():
     """Without that the last third alone takes millions of evaluations: contacts at rest are stiffer than 1e7/s."""
     stop = {"shape": "emergency-stop", "at": "0.05 s", "within": "0.2 s"}
@@ -199,7 +199,7 @@ def test_a_stopped_bearing_is_not_followed_on_once_it_stands():
     assert found.attrs["rate_evaluations"] < 4e6
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("within", [0.02, 0.002])
 def test_a_load_that_falls_to_nothing_is_followed_as_equilibria_at_every_moment_say(within):
     """The reference knows no maps: it solves for the equilibrium under the load of the moment at every evaluation."""
@@ -300,7 +300,7 @@ def test_a_ring_that_turns_back_is_followed_and_slips_are_told_where_they_refer_
     assert np.allclose(mirrored.cage_speed, -back.cage_speed, rtol=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_jump_in_load_is_a_kink_of_the_slip_and_no_step_goes_over_it():
     to = {"study.dynamics.relative_tolerance": 1e-9, "accuracy.tolerance": 1e-3}
     jump = {"shape": "step", "to": "700 N", "at": "0.2345 s"}
@@ -372,7 +372,7 @@ def test_a_sweep_is_another_one_where_a_history_comes_from_another_file(tmp_path
     assert keys[0] == keys[1] != keys[2]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_what_is_uncertain_of_a_history_is_sampled_by_a_sweep_and_no_matter_of_a_steady_margin():
     within = f"{HISTORY}.inner_speed.within"
     uncertain = {within: {"distribution": "uniform", "low": "0.2 s", "high": "0.4 s"}}
@@ -517,6 +517,7 @@ def dropped():
     return watched({"study.dynamics.cage_slip": 0.07}, radial_load=ramp)
 
 
+@pytest.mark.slow
 def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_there(dropped):
     for k in (33, 100):
         load = f"{float(dropped.radial_load[k])!r} N"
@@ -688,6 +689,7 @@ def test_the_passage_of_the_slip_of_running_away_is_an_event_and_can_end_the_run
     assert last == pytest.approx(float(away.skidding_slip_along[-1]), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_is_conventional_and_that_is_told(
     monkeypatch,
 ):
@@ -719,7 +721,7 @@ def test_where_effective_friction_cannot_be_tabulated_along_a_history_friction_i
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_where_effective_friction_takes_too_many_bearings_along_a_history_friction_is_conventional(
     monkeypatch,
 ):

@@ -608,7 +608,7 @@ def test_memory_is_that_of_the_loads():
 
 
 @pytest.mark.parametrize(
-    "k", [11, 250, *(pytest.param(k, marks=pytest.mark.slow) for k in (82, 99, 123))]
+    "k", [11, 250, *(pytest.param(k, marks=pytest.mark.soak) for k in (82, 99, 123))]
 )
 def test_the_curve_of_free_rollers_does_not_depend_on_the_slips_that_are_asked_for(k):
     """Rollers of random bearings that have several balances, or come to have them between two slips.

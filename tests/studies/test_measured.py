@@ -52,6 +52,7 @@ def found(tmp_path_factory):
     return rollslip.run(SCATTERED, "steady-slip", measured=table)
 
 
+@pytest.mark.slow
 def test_values_are_calculated_at_the_conditions_of_their_rows(found):
     other = rollslip.run(
         rollslip.evolve(SCATTERED, {"operation.radial_load": 1e4}, si=True), "steady-slip"
@@ -67,6 +68,7 @@ def test_values_are_calculated_at_the_conditions_of_their_rows(found):
     assert slip["standard_uncertainty"] == pytest.approx(0.005)
 
 
+@pytest.mark.slow
 def test_the_normalised_error_has_both_expanded_uncertainties(found):
     """ISO 13528 with a coverage factor of 2; ends of the band are 1.645 standard deviations off."""
     _, _, slip, torque = records_of(found)
@@ -79,6 +81,7 @@ def test_the_normalised_error_has_both_expanded_uncertainties(found):
     assert torque["normalised_error"] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_answer_has_a_row_on_them(found):
     row = found.answer["measured"]
     errors = [record["normalised_error"] for record in records_of(found)]
@@ -91,6 +94,7 @@ def test_the_answer_has_a_row_on_them(found):
     assert list(found.answer.as_dict()["rows"])[1] == "measured"
 
 
+@pytest.mark.slow
 def test_each_point_is_a_sentence_of_the_report_and_of_the_details(found, tmp_path):
     sentences = describe_measured(found)
     assert len(sentences) == 4
@@ -236,6 +240,7 @@ def test_an_open_band_decides_nothing(found):
     assert np.isfinite(below["normalised_error"])
 
 
+@pytest.mark.slow
 def test_the_command_reads_the_table_first_and_stores_the_comparison(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     written(tmp_path, HEAD, "3, 2, 0.5")
@@ -260,6 +265,7 @@ def test_the_command_reads_the_table_first_and_stores_the_comparison(tmp_path, m
     assert row["value"] == record["normalised_error"]
 
 
+@pytest.mark.slow
 def test_an_interrupted_comparison_keeps_the_results(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     written(tmp_path, HEAD, "3, 2, 0.5")

@@ -54,7 +54,7 @@ def test_all_studies_say_the_same_of_one_bearing(name):
     assert Status.of(whole.reserve_status.item()) is (Status.SKIDS if skids else Status.FOUND)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("number", range(60))
 def test_all_studies_say_the_same_of_random_bearings(number):
     bearing = few((scenes.free, scenes.catalogue)[number % 2](1000 + number))

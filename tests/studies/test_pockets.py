@@ -271,7 +271,11 @@ def rib_torques(assembly, load, s, w, w_c):
 
 @pytest.mark.parametrize(
     "change",
-    [{}, RIBS, pytest.param(RIBS | {"models.rib": "open-film"}, marks=pytest.mark.slow)],
+    [
+        {},
+        pytest.param(RIBS, marks=pytest.mark.slow),
+        pytest.param(RIBS | {"models.rib": "open-film"}, marks=pytest.mark.soak),
+    ],
     ids=str,
 )
 def test_the_mean_torque_is_that_of_a_runge_kutta_method(change):
@@ -307,6 +311,7 @@ def test_half_the_step_and_more_turns_change_the_slip_little(bearing):
     assert with_play(balance, slip, periodic=1e-9) == pytest.approx(usual, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_rollers_that_take_many_turns_to_their_motion_are_marched_so_long():
     """Fast rollers without rolling resistance keep a tenth of a wrong spin over several turns; 3 turns left 17 %."""
     balance, slip = balanced(load_scene("1032930-50C"), math.inf)
@@ -330,6 +335,7 @@ def test_the_slip_with_play_is_that_of_motions_in_time(bearing):
     assert slip != pytest.approx(IN_TIME[name], rel=2.0 * TIME_TOLERANCE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "low", "high"), [("5 kN", 0.005, 0.01), ("200 N", 0.1, 0.9)])
 def test_small_and_large_slips_are_found(load, low, high):
     """At 5 kN the slip is 38 times that without play, at 200 N the first slips of the search reach a cage at rest."""
@@ -343,6 +349,7 @@ def test_small_and_large_slips_are_found(load, low, high):
     assert np.sign(torques + drags).tolist() == [-1.0, 1.0]
 
 
+@pytest.mark.slow
 def test_slips_with_play_fall_steadily_over_the_load():
     """Also where rollers that are set in the cage drive it: with play they cross their pockets first."""
     loads = np.array([3e3, 8e3, 15e3, 30e3])
@@ -384,6 +391,7 @@ SUDDEN_IN_TIME = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("values", "in_time"), SUDDEN_IN_TIME)
 def test_rollers_that_friction_stops_within_a_step_are_not_thrown_back(values, in_time):
     """A whole step in which a contact comes to slide the other way took such rollers out of the tables."""
@@ -475,7 +483,7 @@ def test_the_figure_of_a_turn_has_its_fractions_and_its_impacts():
     assert not [*_pocket_figure(dataset.drop_vars("pocket_position"))]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("name", ["a", "b"])
 def test_motions_in_time_have_the_slips_of_the_table(name):
     scene = evolve(SCENES[name], {"cage.pocket_contact": "film"})
@@ -524,6 +532,7 @@ def test_a_range_that_ends_below_the_slip_has_none():
     assert Status.of(found.status) is Status.NO_STEADY_SLIP
 
 
+@pytest.mark.slow
 def test_the_play_is_left_out_at_slips_that_it_does_not_change():
     """Contacts of a cage that has nearly stopped slide more than friction is tabulated for."""
     scene = new("NU2312", oil="iso-vg-220", speed="6000 rpm", load="0.5 kN", temperature="70 degC")
@@ -555,6 +564,7 @@ def results_of(name):
     return study, assembly, usual, study.completed(assembly, usual)
 
 
+@pytest.mark.slow
 def test_play_changes_its_answers_and_keeps_those_without(results):
     _, _, usual, play = results
     assert not PLAY_OUTPUTS.keys() & set(usual)
@@ -652,6 +662,7 @@ def test_rollers_set_in_the_cage_are_left_as_they_are():
     assert dropped.pockets == "set"
 
 
+@pytest.mark.slow
 def test_a_cage_may_skid_because_of_the_play():
     """With a drag just below the largest torque of rollers set in the cage."""
     scene = SCENES["d"]
@@ -705,6 +716,7 @@ def test_a_motion_that_does_not_repeat_has_no_slip(monkeypatch):
     assert np.isnan(found.slip)
 
 
+@pytest.mark.slow
 def test_a_coarse_table_serves_where_a_fine_one_is_out_of_reach(monkeypatch):
     """Nine slices and a tolerance that no table reaches, against a fine table of all slices: 0.16 % together."""
 
@@ -760,6 +772,7 @@ def test_slips_of_the_page_rise_and_fall_as_it_says(quantity, sense):
         assert abs(math.log(play[-1] / play[0])) < abs(math.log(without[-1] / without[0]))
 
 
+@pytest.mark.slow
 def test_plenty_of_oil_is_the_limit_of_thick_layers():
     """The slip of rollers with play, whose tables of friction have loads far below those of the loaded zone.
 
@@ -796,7 +809,12 @@ def test_the_limit_drag_with_play_is_found_where_the_play_takes_it_to_far_larger
 
 
 @pytest.mark.parametrize(
-    ("name", "load"), [("gearbox", 1500.0), ("gearbox", 500.0), ("1032930-70C", 3000.0)]
+    ("name", "load"),
+    [
+        ("gearbox", 1500.0),
+        pytest.param("gearbox", 500.0, marks=pytest.mark.slow),
+        pytest.param("1032930-70C", 3000.0, marks=pytest.mark.slow),
+    ],
 )
 def test_answers_without_the_curve_are_those_of_a_run_and_take_fewer_marches(
     name, load, monkeypatch

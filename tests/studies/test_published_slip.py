@@ -9,7 +9,7 @@ from rollslip import evolve
 from rollslip_campaigns.validation.validate import AS_STATED, evaluate_statement
 
 
-@pytest.mark.parametrize("pockets", ["set", pytest.param("play", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("pockets", ["set", pytest.param("play", marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     "said", PUBLISHED.statements, ids=[said.text for said in PUBLISHED.statements]
 )
@@ -44,6 +44,7 @@ def test_below_the_largest_drag_one_slip_lasts_and_one_does_not():
     assert np.isnan(beyond.steady_slip.to_numpy()).all()
 
 
+@pytest.mark.slow
 def test_statements_on_preload_hang_on_rigid_rings():
     """What the data set estimates and says: hoops of bare rings leave a slip, and more of it at 5 um than at none."""
     bare = {

@@ -373,6 +373,7 @@ def in_time(assembly, slip, factor, roller_slip, *, orbits, kept):
 COARSE_SLICES = evolve(STRAIGHT, {"bearing.rollers": 7, "operation.radial_load": "600 N"})
 
 
+@pytest.mark.slow
 def test_a_steady_slip_is_the_mean_that_motion_in_time_keeps_and_comes_back_to():
     """Measured: 3e-5 from the mean in time, with the ripple of a light cage in it; the study states 1e-3."""
     assembly = assemble(dragged(COARSE_SLICES, brake(0.1)))
@@ -389,6 +390,7 @@ def test_a_steady_slip_is_the_mean_that_motion_in_time_keeps_and_comes_back_to()
     assert mean(1.1) == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.slow
 def test_an_unstable_slip_is_one_that_motion_in_time_leaves_to_either_side():
     scene = dragged(evolve(COARSE_SLICES, {"operation.radial_load": "2 kN"}), brake(2.3))
     found = run(scene, points=12)
@@ -403,7 +405,7 @@ def test_an_unstable_slip_is_one_that_motion_in_time_leaves_to_either_side():
     assert ends[1] > 1.06
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("friction", ["conventional", "effective"])
 def test_a_steady_slip_is_the_last_one_of_dynamics(friction):
     """Measured: 2e-4 of the slip with either friction; both studies state 1e-3."""
@@ -614,7 +616,7 @@ def followed():
     return run(NEAR_THE_FOLD, points=10, radial_load=(900.0, 1100.0))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followed):
     """Two ways to the same fold: along the branch against the load, and along the torque over slip at that load."""
     found = followed
@@ -664,6 +666,7 @@ def test_a_range_without_a_fold_says_so():
     assert sorted(found.temperature.to_numpy()[[0, -1]].tolist()) == pytest.approx([318.15, 328.15])
 
 
+@pytest.mark.slow
 def test_a_slip_that_leaves_its_range_says_at_which_load_and_is_no_missing_limit():
     """The range of the loads ends at 20 N, that of the slips far above: nothing is known of loads below that."""
     scene = dragged(STRAIGHT, brake(0.05))
@@ -735,6 +738,7 @@ def _hump(V, at, most):
     return most * np.clip(1.0 - ((V - at) / (0.95 * at)) ** 2, 0.0, None) * (2.0 * at > V)
 
 
+@pytest.mark.slow
 def test_the_first_of_two_maxima_of_the_torque_is_told():
     """Rollers without mass roll freely at half the sliding speed each, so that places follow from kinematics alone."""
     found = run(
@@ -761,7 +765,7 @@ def test_the_first_of_two_maxima_of_the_torque_is_told():
     assert "already" not in SteadySlipAccount.topics(one)["limit drag torque"][0]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_effective_friction_gives_nearly_the_same_slip():
     """Measured for this bearing: 2 % of the slip; friction averaged over rollers is not that of each of them."""
     scene = dragged(PROFILED, brake(0.2))
@@ -791,7 +795,7 @@ def test_rings_that_turn_against_each_other_have_no_slip():
         SteadySlip().run(assembly)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_findings_and_figures_tell_the_same(tmp_path, followed):
     """Sentences, record and figures come from the dataset alone, also once it was stored; files are always the same."""
     found = followed.assign_attrs(scene_hash="")
@@ -836,7 +840,7 @@ def test_no_roller_loaded_on_the_inner_ring_is_refused():
         run(dragged(free, brake(0.1)))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("speed", [10, 60, 100, 150, 300, 800])
 def test_slow_bearings_with_films_that_break_are_solved(speed):
     """Boundary friction falls with slip and rollers hold several motions: the torque jumps, steady slips do not lie."""
@@ -910,6 +914,7 @@ def test_where_rollers_carry_far_more_than_the_drag_the_operating_point_is_not_o
     assert inset.get_ylim()[1] > float(found.driving_torque.max())
 
 
+@pytest.mark.slow
 def test_slip_over_load_goes_through_the_run_and_near_runs_at_other_loads():
     found = recorded.stored("steady-slip")
     load, slip = figures._slip_over_load(found)
@@ -1114,6 +1119,7 @@ SHORT_WAYS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHORT_WAYS)
 def test_steady_slips_alone_are_those_of_the_whole_study(name):
     changes, count, pockets = SHORT_WAYS[name]

@@ -115,6 +115,7 @@ def test_the_worst_is_the_worst_of_the_orbit(result):
     )
 
 
+@pytest.mark.slow
 def test_what_friction_does_not_need_of_a_contact_is_measured():
     """Its torques hardly hang on the film's own pressure, by which light contacts are more than twice as wide."""
     changes = {
@@ -150,7 +151,7 @@ def coarse(k, **changes):
 
 
 @pytest.mark.parametrize(
-    "k", [pytest.param(9, marks=pytest.mark.slow), 41]
+    "k", [pytest.param(9, marks=pytest.mark.soak), 41]
 )  # a crowned roller, whose middle lies between two of few slices
 def test_slices_are_added_until_the_worst_is_within_the_tolerance(k):
     made = plan(scene := coarse(k), "surface-damage")
@@ -408,6 +409,7 @@ def test_a_bearing_that_runs_away_says_so():
     assert account_of(gone).sentences(gone) == [gone.status.item()]
 
 
+@pytest.mark.slow
 def test_limits_are_told_in_the_answer(tmp_path):
     hot = {"model": "contact-temperature", "allowed": "70 degC"}
     scene = evolve(SCENE, {"models.damage": ["film-parameter", hot]}, si=True)

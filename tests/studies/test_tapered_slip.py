@@ -126,6 +126,7 @@ def test_search_for_a_load_ends_where_the_rings_are_held() -> None:
     assert assembly.at_load(2900.0).scene.operation.radial_load == 2900.0
 
 
+@pytest.mark.slow
 def test_answer_has_no_rows_of_cylindrical_bearings() -> None:
     coarse = {
         "accuracy.slices": 9,

@@ -458,6 +458,7 @@ def test_a_scene_without_a_thermal_model_has_a_network_with_the_flow_of_its_supp
     assert plain.attrs["taken_from_bearing"] == named.attrs["taken_from_bearing"]
 
 
+@pytest.mark.slow
 def test_slips_with_play_are_those_of_a_steady_slip_at_the_same_temperatures():
     loose = evolve(
         load_scene("gearbox"),
@@ -533,7 +534,7 @@ def test_skidding_and_a_runaway_of_the_bulk_are_told_apart():
     assert bulk.stationary_status.item() == bulk.status.item()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
     oil = {"name": "iso-vg-68"}
     found = balanced({"lubricant": oil, "operation.temperature": "50 degC"}, oil_flow="0.1 kg/s")
@@ -541,7 +542,7 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
     assert "its data hold from 0 degC to 120 degC" in found.limit_status.item()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize("duration", ["0 s", "10 min"])
 def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
     scene = evolve(
@@ -649,6 +650,7 @@ def test_estimated_conductances_can_scatter():
         assert {getattr(given, name) for name in LINKS} == {3.0}
 
 
+@pytest.mark.slow
 def test_a_tight_fit_loads_more_rollers_and_slips_less():
     raw = {
         **SCENE.raw,
@@ -737,7 +739,7 @@ def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
     assert shown == pytest.approx(found.stationary_temperature.sel(node="oil").values - 273.15)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
     """With the positions that are enough at 85 degC, losses at 28 degC were 2e-3 off, compared with 200."""
     scene = evolve(
@@ -760,6 +762,7 @@ def test_losses_are_judged_at_the_temperatures_that_a_bearing_settles_at():
     assert planned.n_positions > of_scene.n_positions
 
 
+@pytest.mark.slow
 def test_what_a_bearing_settles_at_is_found_alone_as_a_whole_run_finds_it():
     """Also where nothing lasts, and where all of the first range is warmer."""
     weak = {"shaft_ambient": 0.05, "housing_ambient": 0.05}

@@ -571,6 +571,7 @@ def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
     assert "of the contact force" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("study", ["friction-curve", "effective-friction", "steady-slip"])
 def test_every_study_tells_it(study):
     drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}

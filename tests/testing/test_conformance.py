@@ -88,7 +88,7 @@ class TestTraction(Conformance):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 class TestReferences(Conformance):
     models = (get_model("film", "reynolds-line"), get_model("traction", "maxwell-eyring-field"))
 
@@ -181,11 +181,12 @@ VARIANTS = (
 )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 class TestVariants(Conformance):
     models = VARIANTS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", VARIANTS, ids=lambda model: type(model).__name__)
 def test_other_parameters_keep_the_rules_of_numbers(model):
     """Processes, threads and imports, which no parameter changes, are those of the defaults above."""
@@ -300,7 +301,7 @@ def test_every_check_is_named_as_a_sentence_and_says_why():
 # The class -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_test_class_gives_one_test_a_model_and_check(pytester):
     pytester.makepyfile(
         """
@@ -347,6 +348,7 @@ def test_the_kit_needs_hypothesis_and_says_so():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.slow
 def test_the_kit_does_not_need_pytest():
     code = (
         "import sys\nsys.modules['pytest'] = None\n"
@@ -359,7 +361,7 @@ def test_the_kit_does_not_need_pytest():
 # The process ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_good_model_passes_in_a_process_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     findings = check_in_subprocess("traction", "kragelsky")

@@ -37,7 +37,7 @@ def as_long_as_users_search():
     settings.load_profile("short")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "model", [*SOUND, *SOUND_NUMBERS, *SOUND_PRESSURES], ids=lambda model: model.name
 )

@@ -18,7 +18,7 @@ PAIRS = [(case, subject) for case in CASES for subject in subjects() if not why_
 def marks(case, subject):
     """A pair that takes long is run by name; one that is known to fail must fail, until it is mended."""
     if is_slow(case, subject):
-        yield pytest.mark.slow
+        yield pytest.mark.soak
     if subject.name in case.faults:
         kinds = (AssertionError, RuntimeWarning)
         yield pytest.mark.xfail(reason=case.faults[subject.name], strict=True, raises=kinds)
