@@ -808,6 +808,36 @@ def test_the_limit_drag_with_play_is_found_where_the_play_takes_it_to_far_larger
     assert math.isnan(found["jump_slip"]), "it lies below"
 
 
+def test_the_largest_ratio_between_two_slips_is_found_without_the_torques_at_all_others():
+    """A torque with a maximum at 2 % over a drag that rises: most ratios are largest at the end of the range."""
+    play = object.__new__(Play)
+    play.found = SimpleNamespace(status=Status.FOUND)
+    slips = np.geomspace(1e-3, 0.9, 60)
+    torques = 4.0 * slips / (slips**2 / 0.02 + slips + 0.02)
+    asked = []
+
+    def torque_of(at, _=None):
+        asked.append(at.size)
+        return 0.9 * np.interp(at, slips, torques)
+
+    play.set_balance = SimpleNamespace(drag=lambda slip: -(0.5 + slip))
+    balance = SimpleNamespace(torques=torque_of, drag=play.set_balance.drag)
+    result = xr.Dataset(
+        {"drag_reserve": 1.5, "skidding_slip": math.nan, "driving_torque": ("cage_slip", torques)},
+        {"cage_slip": slips},
+    )
+    inside = slips[slips < 0.2]
+    largest = float((0.9 * torques[slips < 0.2] / (0.5 + inside)).max())
+    near = play._reserve(balance, result, None)["drag_reserve"]
+    assert near == pytest.approx(largest, rel=2e-2)
+    assert (
+        near > 1.05 * 0.9 * float(np.interp(0.2, slips, torques)) / 0.7
+    )  # at the end of the range
+    assert sum(asked) < 0.5 * slips.size
+    everywhere = play._reserve(balance, result, 0.9 * torques)["drag_reserve"]
+    assert near == pytest.approx(everywhere, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("name", "load"),
     [
