@@ -13,6 +13,7 @@ from urllib.parse import urlsplit
 
 import attrs
 import pytest
+import xarray as xr
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
@@ -23,7 +24,7 @@ from rollslip.references import KLEBANOV, as_dict
 from rollslip.results.accounts import answer as answer_of
 from rollslip.results.curves import percent
 from rollslip.results.figures import save_plots
-from rollslip.results.report import write_report
+from rollslip.results.report import _accuracy, write_report
 from rollslip.results.style import on_dark
 from rollslip.results.text import OTHER_BOUNDS, describe_more_bounds
 from rollslip.scene import resolved
@@ -649,3 +650,19 @@ def test_what_a_reader_may_open_is_reached_by_the_contents(page):
     assert targets <= {f"#{a['id']}" for _, a in elements if "id" in a}
     assert len(re.findall(r"<details><summary><h2", page)) >= 6
     assert "data-of=" in page
+
+
+@pytest.mark.parametrize("tolerances", [(0.1, 0.1), (0.1, 0.2)])
+def test_errors_are_under_the_names_of_their_studies_where_they_differ(tolerances):
+    row = {"result": "critical_slip", "estimated": 0.03, "found": None}
+    studies = {
+        name: xr.Dataset(attrs={"accuracy": json.dumps([row | {"tolerance": tolerance}])})
+        for name, tolerance in zip(("steady-slip", "dynamics"), tolerances, strict=True)
+    }
+    cells = re.findall("<t[dh][^>]*>([^<]*)</t", _accuracy(studies))[4:]
+    first, second = (["critical slip", str(tolerance), "3.0e-02", ""] for tolerance in tolerances)
+    if first == second:
+        assert cells == first
+    else:
+        of_study = [[name, "", "", ""] for name in studies]
+        assert cells == [*of_study[0], *first, *of_study[1], *second]

@@ -316,9 +316,11 @@ def _plan(datasets: Datasets) -> str:
 def _accuracy(datasets: Datasets) -> str:
     """Return the errors against their tolerances."""
     errors = list[list[str]]()
-    for name, rows in _named(datasets, "accuracy"):
-        errors += [[name.strip(" ()"), "", "", ""]] * bool(name)
-        for row in rows:
+    different = _distinct(datasets, "accuracy")
+    for names, rows in different:
+        if len(different) > 1:
+            errors.append([", ".join(names), "", "", ""])
+        for row in json.loads(rows):
             known = (
                 "" if row[key] is None else f"{row[key]:.1e}" for key in ("estimated", "found")
             )
@@ -554,15 +556,6 @@ def _per_study(
     values = _distinct(datasets, attribute)
     return [
         (_tag("h3", ", ".join(names)) if len(values) > 1 else "", read(value))
-        for names, value in values
-    ]
-
-
-def _named(datasets: Datasets, attribute: str) -> list[tuple[str, Any]]:
-    """Return the different values of an attribute, each after the names of its datasets in brackets if they differ."""
-    values = _distinct(datasets, attribute)
-    return [
-        (f" ({', '.join(names)})" if len(values) > 1 else "", json.loads(value))
         for names, value in values
     ]
 
