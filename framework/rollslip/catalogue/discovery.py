@@ -92,7 +92,6 @@ def families(kind: str) -> Iterator[tuple[Offer, Any]]:
 
 def find(kind: str, name: str) -> Offer:
     """Return the offer of a name; raise `UnknownNameError` with similar names where there is none."""
-    check_kind(kind)
     offers = [
         offer
         for offer in catalogue()
