@@ -594,14 +594,19 @@ def test_the_origin_and_every_number_are_in_the_dataset(tmp_path):
     json.dumps(FitAccount.record(found), allow_nan=False)
 
 
-def test_curves_pass_through_the_fitted_friction():
-    found = rollslip.fit(noisy(), parameters="eyring_stress", rig=RIG)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_curves_go_from_rest_to_the_last_slip_through_the_fitted_friction(sign):
+    data = noisy(slips=tuple(sorted(sign * slip for slip in SLIPS)))
+    found = rollslip.fit(data, parameters="eyring_stress", rig=RIG)
     for point in range(4):
-        rows = found["operating_point"].to_numpy() == point
+        rows = np.flatnonzero(found["operating_point"] == point)
         one = found.isel(point=point)
-        at = np.interp(found["slide_roll_ratio"][rows], one["curve_slip"], one["curve_friction"])
-        last = np.flatnonzero(rows)[-1]
-        assert at[-1] == pytest.approx(found["fitted_friction"][last].item(), rel=1e-12)
+        ends = one["curve_slip"].to_numpy()[[0, -1]].tolist()
+        assert ends == sorted([0.0, sign * max(SLIPS)])
+        slips = found["slide_roll_ratio"].to_numpy()[rows]
+        at = np.interp(slips, one["curve_slip"], one["curve_friction"])
+        last = np.abs(slips).argmax()
+        assert at[last] == pytest.approx(found["fitted_friction"][rows[last]].item(), rel=1e-12)
 
 
 def test_temperatures_loads_and_speeds_that_a_rig_does_not_hold_exactly_are_one_operating_point():

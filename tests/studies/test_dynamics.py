@@ -1,6 +1,7 @@
 """Study dynamics: what its numbers must obey, at every level and with every friction; events, stops and settings."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,12 @@ from rollslip.results.text import Status
 from rollslip_studies.dynamics.findings import DynamicsAccount, energy_closure, momentum_closure
 from rollslip_studies.dynamics.levels.planar import PlanarSettings
 from rollslip_studies.dynamics.study import Dynamics
-from rollslip_studies.dynamics.termination import MeanSlip, steady_slip_of
+from rollslip_studies.dynamics.termination import (
+    _CONTACT_OUTPUTS,
+    MeanSlip,
+    outputs_of,
+    steady_slip_of,
+)
 from rollslip_studies.motion.torque_balance import (
     SteadyOperation,
     reserve,
@@ -594,3 +600,26 @@ def test_a_motion_lasts_six_orbits_at_least_where_the_scene_states_no_duration(
         rollslip.load_scene("gearbox"), {"operation.inner_speed": speed, **changes}
     )
     assert Dynamics.from_scene(scene).duration == duration
+
+
+def test_instants_at_which_no_model_fails_keep_their_forces():
+    """All at once fail with the third one; each of the others is computed alone."""
+
+    def outputs(time, states):
+        if 2.0 in time.tolist():
+            raise ArithmeticError("no force")
+        assert states.shape == (time.size, 1)
+        forces = 100.0 * time[:, None, None] + states[:, :, None]
+        contact = np.broadcast_to(forces, (time.size, 2, 3))
+        every = dict.fromkeys(_CONTACT_OUTPUTS, contact)
+        return every | {"pocket_force": contact[:, 0]}
+
+    bearing = SimpleNamespace(scene=SimpleNamespace(bearing=SimpleNamespace(rollers=3)))
+    moving = SimpleNamespace(outputs=outputs, assembly=bearing)
+    time = np.arange(4.0)
+    states = np.arange(4.0)[:, None]
+    found = SimpleNamespace(t=time, y=states, outcome="interrupted")
+    forces, _ = outputs_of(moving, found)
+    for values in forces.values():
+        of_instants = values.reshape(4, -1)[:, 0]
+        np.testing.assert_array_equal(of_instants, [0.0, 101.0, np.nan, 303.0])

@@ -413,3 +413,16 @@ def test_both_ends_of_a_grid_have_a_unit_or_none(low, high, bare):
         match=f"'{bare}' has no unit, the other end has one; write it at both ends, such as {bare} kN",
     ):
         evenly(low, high, 3, "N")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "values"),
+    [
+        ("0.5 kN", "1.5 kN", (500.0, 1000.0, 1500.0)),
+        ("1 kN", "1300 N", (1000.0, 1100.0, 1200.0, 1300.0)),
+        ("2", "1", (2.0, 1.0)),
+        ("1 kN", "2 kN", (1000.0,)),
+    ],
+)
+def test_even_values_begin_and_end_at_the_ends(low, high, values):
+    assert evenly(low, high, len(values), "N") == values
