@@ -248,7 +248,7 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
     )
 
 
-@pytest.mark.soak
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
@@ -262,7 +262,7 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
         (
             '    name = "',
             '    summary = "Say it."\n    own_command = "rollslip.cli.run:plan"\n    name = "',
-            "its command's help begins with 'Print what will be modelled",
+            "its command's help begins with 'Print models and resolution",
         ),
         (
             '    name = "',
@@ -273,6 +273,11 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
             '    name = "',
             '    own_command = "nowhere:x"\n    name = "',
             "its command nowhere:x cannot be imported",
+        ),
+        (
+            "return rollslip.sweep(scene, made, **study)",
+            "import time\n        return rollslip.sweep(scene, made, **study)[['friction']] * time.time()",
+            "friction is another at the second run",
         ),
     ],
 )
