@@ -2,6 +2,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 from unittest import mock
 
 import attrs
@@ -22,7 +23,7 @@ from rollslip_studies.dynamics import history_findings, over_time
 from rollslip_studies.dynamics.findings import DynamicsAccount
 from rollslip_studies.dynamics.history import interpolated_rates
 from rollslip_studies.dynamics.history.settings import PART_TEMPERATURES, HistorySettings
-from rollslip_studies.dynamics.history.varying import varying_motion
+from rollslip_studies.dynamics.history.varying import VaryingMotion, varying_motion
 from rollslip_studies.dynamics.levels.load_map import build_load_map
 from rollslip_studies.dynamics.levels.raceway_friction import FrictionSettings
 from rollslip_studies.dynamics.study import Dynamics
@@ -733,3 +734,19 @@ def test_where_effective_friction_takes_too_many_bearings_along_a_history_fricti
     assert made.choices["dynamics"].resolution.friction == "conventional"
     (part,) = [part for part in made.parts if part.part == "friction of the raceways"]
     assert "as more than 3 bearings would have to be assembled for it" in part.reason
+
+
+@pytest.mark.parametrize("breaks", [(), (0.5, 2.0)])
+def test_rest_is_looked_for_from_the_time_at_which_the_rings_stop(breaks):
+    stop = max(breaks, default=3.0)
+    history = SimpleNamespace(
+        breaks=breaks, end=3.0, rings_rest=lambda start, end: (start, end) == (2.0, 3.0)
+    )
+    motion = object.__new__(VaryingMotion)
+    object.__setattr__(motion, "history", history)
+    times = motion.breaks
+    assert times[: len(breaks)] == breaks
+    looked = np.array(times[len(breaks) :])
+    assert (looked.size > 0) == bool(breaks)
+    assert np.all((looked > stop) & (looked < 3.0))
+    assert np.all(np.diff(looked) > 0.0)
