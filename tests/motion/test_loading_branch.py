@@ -1029,3 +1029,25 @@ def test_a_drag_a_thousandth_above_runs_away_in_time_and_a_hundredth_below_does_
     assert held
     assert slip < away.slip
     assert told.held(state, in_time.above(away) * away.drag, beyond)[0] is False
+
+
+def test_the_finer_end_of_a_motion_is_the_last_slip_at_which_it_exists():
+    """The torque rises up to its end at a logit of -2, which coarse positions have at -1.97."""
+    end = -2.0
+
+    def find_from(slips, _):
+        return [
+            SimpleNamespace(torque=3.0 + logit_slip(slip), converged=logit_slip(slip) <= end)
+            for slip in slips
+        ]
+
+    search = SimpleNamespace(_fine_motions=SimpleNamespace(find_from=find_from))
+    coarse = SimpleNamespace(logit_slip=-1.97)
+    found = loading_branch._Search._find_fine_end(search, coarse)
+    # two passes of nine slips, the second between the neighbours of the largest of the first
+    width = 2.0 * 0.1 / 8.0 * 2.0 / 8.0
+    assert end - width <= found.logit <= end
+    assert found.torque == pytest.approx(3.0 + found.logit, rel=1e-12)
+    assert found.error == pytest.approx(width / found.torque, rel=1e-6)
+    nowhere = SimpleNamespace(logit_slip=-1.0)
+    assert loading_branch._Search._find_fine_end(search, nowhere) is None
