@@ -1217,3 +1217,16 @@ def test_code_of_the_page_runs(examples, capsys):
     assert capsys.readouterr().out.endswith("determined\n")
     fitted = names["scene"].lubricant.data["eyring_stress"]
     assert fitted == names["stress"].value.item()
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.0, 1.0])
+def test_derivatives_at_the_edge_of_a_law_are_those_of_the_side_that_has_values(side):
+    def residuals(x):
+        values = np.array([x[0] ** 3, x[0] * x[1]])
+        return np.where(side * (x[0] - 2.0) > 0.0, np.nan, values)
+
+    found = least_squares._jacobian(residuals, np.array([2.0, 5.0]))
+    # one-sided differences err by half a step times the second derivative, 12
+    assert found == pytest.approx(
+        np.array([[12.0, 0.0], [5.0, 2.0]]), abs=7.0 * least_squares._JACOBIAN_STEP
+    )
