@@ -48,7 +48,7 @@ from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.eyring import Eyring, Muraki
-from rollslip_plugins.traction.heating import MEAN_PRESSURE, NO_ASPERITIES
+from rollslip_plugins.traction.heating import MEAN_PRESSURE, NO_ASPERITIES, SLOW_SLIDING
 from rollslip_plugins.traction.local import MaxwellEyringLocal
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from tabled import TABLES, rows_of
@@ -754,3 +754,11 @@ def test_a_law_that_takes_the_viscosity_at_the_mean_pressure_says_so(reads, own,
     members = {"reads": frozenset(reads), "validity": (NO_ASPERITIES,), **own}
     law = type("Law", (TractionModel,), members)
     assert [bound.code for bound in law.validity] == codes
+
+
+@pytest.mark.parametrize(("ratio", "faster"), [(1.0, 1.5), (1.9, 1.95), (2.0, 1.95), (5.0, 1.95)])
+def test_flash_temperatures_of_two_speeds_are_compared_with_those_of_their_mean(ratio, faster):
+    """Blok: they go with the root of the speed; past a ratio of 1.9, where the slower one nearly stands, no further."""
+    slower = 2.0 - faster
+    excess = 0.5 * (faster**-0.5 + slower**-0.5) - 1.0
+    assert SLOW_SLIDING.error(ratio) == pytest.approx(100.0 * excess, rel=1e-9)
