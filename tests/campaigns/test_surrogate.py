@@ -23,6 +23,7 @@ from mean_roller import MeanRoller
 from rollslip.bearing.assembly import assemble
 from rollslip.cli.main import cli, main
 from rollslip.errors import SceneError
+from rollslip.planning.new_scene import new
 from rollslip.results.accounts import account_of
 from rollslip.results.dataset import open_result
 from rollslip.scene.changes import evolve
@@ -39,6 +40,8 @@ from small_forces import by_differences
 #: Every drag that acts by default.
 SCENE = evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 7})
 OVER = ["radial_load=1 kN:2.5 kN", "temperature=70 degC:90 degC", "inner_speed=500 rpm:1800 rpm"]
+#: The same under axial load, with ribs.
+RIBS = evolve(SCENE, {"bearing.ribs.height": "1 mm", "operation.axial_load": "300 N"})
 needs_compiler = pytest.mark.skipif(
     shutil.which("cc") is None, reason="an FMU is run by what a C compiler makes of it"
 )
@@ -176,9 +179,14 @@ def test_a_constant_torque_is_tabulated_over_the_speed_of_the_cage():
             "one mean roller has no force in its pocket",
         ),
         (
-            evolve(SCENE, {"bearing.ribs.height": "1 mm", "operation.axial_load": "100 N"}),
+            evolve(RIBS, {"operation.radial_load": "0 N"}),
             {},
-            "operation.axial_load: tables hold the friction of raceways",
+            "operation.radial_load: tables range over it, and hold the axial load in its ratio",
+        ),
+        (
+            evolve(new("32216", speed="1500 rpm", load="2 kN"), {"operation.axial_load": "1 kN"}),
+            {"over": ["radial_load=20 N:3 kN"]},
+            "20 N, with the axial load in its ratio, does not hold the rings of a tapered bearing",
         ),
         (SCENE, {"error": "40 %"}, "error: a fraction from 0.0001 to 0.2 is expected"),
         (

@@ -27,6 +27,7 @@ from rollslip_campaigns.surrogate.exports import C, Csv, _description, c_header
 from rollslip_campaigns.surrogate.plan import _speed_bounds
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 from rollslip_studies.motion.orbit_loads import orbit_loads
+from rollslip_studies.motion.rib_friction import LINEAR_SPEED
 
 pytestmark = pytest.mark.quick
 #: Radius of the inner raceway [m].
@@ -37,6 +38,8 @@ RO = 0.1
 SMALL = 1e-4
 #: Distance of nodes in asinh.
 STEP = 0.5
+#: Height of ribs above the raceways [m].
+HEIGHT = 0.001
 
 
 def dataset(
@@ -46,10 +49,12 @@ def dataset(
     drags=(0.0, 0.0, 0.0, 0.0),
     forces=(1000.0, 1200.0),
     growth=(0, 0, 0, 0),
+    ribs=0.0,
 ):
     """Friction that rises by so much from node to node, on each ring with one force and resistance.
 
-    It grows by a share along temperature, load, cage ratio and rolling speed.
+    It grows by a share along temperature, load, cage ratio and rolling speed. That of ribs is so many newtons at each
+    node of the sliding speed, on the outer ring half of it.
     """
     size = (2, 2, 2, 2, 2)
     dims = ("ring", "temperature", "radial_load", "cage_ratio", "rolling_speed")
@@ -63,6 +68,11 @@ def dataset(
         ("drag_inner", "drag_outer"), drags, strict=False)}  # fmt: skip
     # so much at the rolling speed of rings that are 100 rad/s apart, in proportion to the logarithm of it
     fraction = np.log(np.array([0.1, 50.0])) / math.log(100.0 / (1.0 / RI + 1.0 / RO))
+    if ribs:
+        of_ribs = ribs * np.reshape((1.0, 0.5), (2, 1, 1, 1, 1, 1)) * grown * np.arange(9.0)
+        lead["rib_friction"] = ((*dims, "rib_sliding"), of_ribs)
+        lead["rib_sliding"] = ("rib_sliding", LINEAR_SPEED * np.sinh(np.arange(9.0)))
+        numbers |= {"rib_radius": 0.01 - HEIGHT, "axial_ratio": 0.2}
     lead["drag_cage"] = (("temperature", "rolling_speed"), np.tile(drags[2] * fraction, (2, 1)))
     return xr.Dataset(
         {
@@ -141,6 +151,47 @@ def test_rollers_are_where_their_torques_balance(slip, resistance):
     assert on_inner[0] == pytest.approx(RI * (Fi + Si), rel=1e-3, abs=1e-4)
     assert on_outer[0] == pytest.approx(RO * (Fo - So), rel=1e-3, abs=1e-4)
     assert left[0] == pytest.approx(on_inner[0] + on_outer[0])
+
+
+@pytest.mark.parametrize("height", [0.0, 1e-12, 0.003])
+def test_ribs_have_the_friction_of_raceways_whose_radii_are_theirs(height):
+    """Where they have no height they are raceways, of a coefficient that goes with the speed of the rib."""
+    result = dataset(ribs=10.0).assign(rib_radius=0.01 - height)
+    one = Tables.from_dataset(result).interpolate(350.0, 2e3)
+    w, a, b, c = (np.array([value]) for value in (40.0, 4.0, 4.4, 4.1))
+    turning, inner, outer = one.ribs(w, a, b, c)
+    lever = 1.0 - height / 0.01
+    sliding = a * (1.0 + height / RI) - lever * c, lever * c - b * (1.0 - height / RO)
+    forces = [
+        half * 10.0 * np.sign(V) * np.arcsinh(abs(V) / LINEAR_SPEED)
+        for half, V in zip((1.0, 0.5), sliding, strict=True)
+    ]
+    assert turning == pytest.approx(lever * (forces[0] - forces[1]))
+    assert inner == pytest.approx((RI + height) * forces[0])
+    assert outer == pytest.approx((RO - height) * forces[1])
+
+
+def test_ribs_take_the_power_that_both_rings_and_the_cage_give():
+    """At the spin that balances, with all losses added up contact by contact."""
+    one = folded(resistance=2.0, ribs=3.0)
+    inner = np.array([100.0])
+    outer = 10.0
+    w = (RI * inner + RO * outer) / (RI + RO) * 0.97
+    a = RI * (inner - w)
+    b = RO * (w - outer)
+
+    def spin(c):
+        (Fi, Si), (Fo, So) = one._forces(w, a, b, np.array([c]))
+        return float((Fi - Si - Fo - So + one.ribs(w, a, b, np.array([c]))[0])[0])
+
+    c = brentq(spin, a[0] - 0.5, a[0] + 0.5, xtol=1e-14)
+    (Fi, Si), (Fo, So) = one._forces(w, a, b, np.array([c]))
+    _, inner_rib, outer_rib = one.ribs(w, a, b, np.array([c]))
+    heat = Fi * (a - c) + Fo * (c - b) + Si * (a + c) + So * (c + b)
+    heat += inner_rib / (RI + HEIGHT) * (a * (1.0 + HEIGHT / RI) - c * (1.0 - HEIGHT / 0.01))
+    heat += outer_rib / (RO - HEIGHT) * (c * (1.0 - HEIGHT / 0.01) - b * (1.0 - HEIGHT / RO))
+    left, on_inner, on_outer = one._balance(w, inner, outer)
+    assert on_inner * inner + on_outer * outer - left * w == pytest.approx(heat, rel=1e-4)
 
 
 def test_a_bearing_that_runs_steadily_takes_in_what_it_loses():
@@ -319,7 +370,11 @@ def test_temperatures_are_refined_until_the_drags_between_them_are_within_the_er
         return np.max(np.abs(np.array(by) / [*map(exponential, between)] - 1.0))
 
     nodes = SimpleNamespace(
-        plan=plan, tables=lambda T, W: dict.fromkeys(made_by._TABLE_AXES, np.ones((len(T), len(W))))
+        plan=plan,
+        tables=lambda T, W: {
+            name: np.ones((len(T), len(W), *[1] * count))
+            for name, count in made_by._TABLE_AXES.items()
+        },
     )
     # errors of torques are at most those of the coefficient, since leads are at most the largest speed
     for level, nodes_of_level in enumerate((7, 13), start=1):
@@ -348,9 +403,12 @@ int main(void) {
 @pytest.mark.skipif(
     shutil.which("cc") is None, reason="an export in C is run by what a C compiler makes of it"
 )
-def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path):
+@pytest.mark.parametrize("ribs", [0.0, 7.0])
+def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path, ribs):
     """Torques of both rings and the power loss, with rollers half-way between the rings."""
-    result = dataset(resistance=2.0, drags=(0.02, 0.03, 1e-4, 0.1), growth=(0.1, 0.2, 0.3, 0.4))
+    result = dataset(
+        resistance=2.0, drags=(0.02, 0.03, 1e-4, 0.1), growth=(0.1, 0.2, 0.3, 0.4), ribs=ribs
+    )
     (tmp_path / "driver.c").write_text(f"{C('c').render(result).text}\n{DRIVER}", encoding="utf-8")
     subprocess.run(["cc", "-std=c11", "driver.c", "-o", "driver", "-lm"], cwd=tmp_path, check=True)
     operations = [
@@ -379,7 +437,11 @@ def test_an_export_in_c_reads_along_every_axis_what_the_tables_hold(tmp_path):
             + So * (surface + behind)
         )
         loss += by_inner * inner + by_outer * outer - one.drag(w, inner, outer) * w
-        expected = [RI * (Fi + Si) + by_inner, RO * (Fo - So) + by_outer, loss]
+        turning, inner_rib, outer_rib = one.ribs(w, ahead, behind, surface)
+        # what turns the rollers takes power that goes into their spin, and not into the ribs
+        loss += inner_rib * (inner - w) - outer_rib * (w - outer) - turning * surface
+        on_inner = RI * (Fi + Si) + by_inner + inner_rib
+        expected = [on_inner, RO * (Fo - So) + by_outer + outer_rib, loss]
         assert [float(value) for value in told.split()] == pytest.approx(
             np.concatenate(expected), rel=1e-6
         )

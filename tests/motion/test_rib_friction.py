@@ -9,9 +9,12 @@ from rollslip import evolve, get_model, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, RollslipError
 from rollslip.models import RibContact
+from rollslip.planning.new_scene import new
 from rollslip_studies.motion import rib_friction, spins
 from rollslip_studies.motion.losses import power_balance
+from rollslip_studies.motion.orbit_loads import orbit_loads
 from rollslip_studies.motion.torque_balance import running, torque_balance
+from rollslip_studies.raceway_friction.study import _rib_friction
 
 NJ = evolve(
     load_scene("gearbox"), {"bearing.name": "NJ 2312 ECP", "operation.radial_load": "1.5 kN"}
@@ -233,3 +236,31 @@ def test_compiled_code_refuses_ribs_of_another_shape():
 
 def test_films_of_ribs_and_raceways_have_the_same_lower_bound_of_the_rolling_speed():
     assert rib_friction._MIN_FILM_SPEED == spins.MIN_FILM_SPEED
+
+
+@pytest.mark.parametrize("ring", [0, 1])
+def test_ribs_of_a_constant_coefficient_have_that_of_the_axial_load_whoever_bears_it(ring):
+    """In the tables for other programs."""
+    scene = evolve(NJ, {"operation.axial_load": "300 N", "models.rib": coefficient(0.04)})
+    bearing = assemble(evolve(scene, {"accuracy.slices": 15}))
+    *_, rib = orbit_loads(bearing, 3, np.array([60.0]))
+    V = np.array([0.0, 0.01, 2.0])
+    found = _rib_friction(bearing, ring, rib[0], 4.0, V) / 3
+    assert found == pytest.approx(0.04 * 300.0 * np.tanh(V / 0.01), rel=1e-9)
+
+
+def test_the_rib_of_a_tapered_bearing_has_the_power_of_its_own_radii():
+    bearing = assemble(new("32216", speed="1500 rpm", load="5 kN"))
+    *_, rib = orbit_loads(bearing, 2, np.array([60.0]))
+    V = np.array([0.3])
+    found = _rib_friction(bearing, 0, rib[0], 4.0, V)
+    scale = bearing.ribs.scale
+    n = rib.size
+    contact = RibContact(
+        conditions=bearing.rib_conditions[0],
+        load=rib.ravel(),
+        rolling_speed=np.full(n, 4.0 * scale),
+        sliding_speed=np.full(n, 0.3 * scale),
+    )
+    assert found * V == pytest.approx(bearing.rib.friction(contact).sum() * 0.3 * scale, rel=1e-12)
+    assert _rib_friction(bearing, 1, rib[0], 4.0, V) == 0.0

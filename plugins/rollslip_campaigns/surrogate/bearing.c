@@ -12,7 +12,7 @@
 #include "bearing.h"
 #include "bearing_data.h"
 #define MANY(n) ((n) < 4 ? (n) : 4)
-enum { QT = MANY(NT), QW = MANY(NW), QR = MANY(NR), QU = MANY(NU), QX = MANY(NX), QC = MANY(NC) };
+enum { QT = MANY(NT), QW = MANY(NW), QR = MANY(NR), QU = MANY(NU), QX = MANY(NX), QY = MANY(NY), QC = MANY(NC) };
 struct bearing {
     double v[B_VALUES];            /* inputs and outputs, by the names of bearing.h */
     double state[2];               /* cage speed, spin of the roller relative to the cage [rad/s] */
@@ -29,6 +29,7 @@ struct bearing {
     double force[2][NR][NU];       /* normal force of all rollers [N] */
     double rolls[2][NR][NU];       /* rolling resistance of all rollers [N] */
     double largest[2][NR][NU];     /* largest effective friction */
+    double rib[2][NR][NU][NY];     /* friction of all ribs [N], over their sliding speed; 0 without axial load */
 };
 unsigned long bearing_size(void) { return sizeof(bearing); }
 double *bearing_values(bearing *b) { return b->v; }
@@ -69,12 +70,15 @@ static void fold(bearing *b) {
 }
 static void fold_row(bearing *b, int ring, int r, int u) {
     double *mu = b->mu[ring][r][u], force = 0.0, rolls = 0.0, largest = 0.0;
-    memset(mu, 0, sizeof b->mu[0][0][0]);
+    memset(mu, 0, sizeof b->mu[0][0][0]), memset(b->rib[ring][r][u], 0, sizeof b->rib[0][0][0]);
     for (int i = 0; i < QT; i++)
         for (int j = 0; j < QW; j++) {
             double w = b->wt[i] * b->ww[j];
             const float *row = FRICTION[ring][b->t + i][b->l + j][r][u];
             for (int x = 0; x < NX; x++) mu[x] += w * row[x];
+#ifdef RIB_RADIUS
+            for (int y = 0; y < NY; y++) b->rib[ring][r][u][y] += w * RIB[ring][b->t + i][b->l + j][r][u][y];
+#endif
             force += w * FORCE[ring][b->t + i][b->l + j][r][u];
             rolls += w * ROLLS[ring][b->t + i][b->l + j][r][u];
             largest += w * LARGEST[ring][b->t + i][b->l + j][r][u];
@@ -100,6 +104,29 @@ static double ring_forces(bearing *b, int ring, double w, double V, double u, do
     if (limit) *limit = friction * force;
     return V > 0.0 ? mu * force : V < 0.0 ? -mu * force : 0.0;
 }
+/* Friction of all ribs at cage speed w, surface speeds of the raceways and of the roller beside it: torque on the rollers,
+ * torques of both rings, and power */
+static void ribs(bearing *b, double w, double in, double outer, double roller, double *torque) {
+    memset(torque, 0, 4 * sizeof *torque);
+#ifdef RIB_RADIUS
+    double h = ROLLER - RIB_RADIUS, side = roller * RIB_RADIUS / ROLLER, radius[2] = {RI + h, RO - h};
+    double speed[2] = {in * radius[0] / RI, outer * radius[1] / RO};
+    for (int ring = 0; ring < 2; ring++) {
+        double wr[4], wu[4], wy[4], force = 0.0, u = 0.5 * (speed[ring] + side), film = sqrt(u * u + 1e-6);
+        double V = ring ? side - speed[1] : speed[0] - side;
+        int r = four((log(fmax(RO * fabs(w) / film, 1e-12)) - R_FIRST) / R_STEP, NR, wr);
+        int k = four((log(film) - U_FIRST) / U_STEP, NU, wu), y = four(asinh(fabs(V) / Y_SMALL) * Y_STEPS, NY, wy);
+        for (int i = 0; i < QR; i++)
+            for (int j = 0; j < QU; j++) {
+                if (!b->folded[ring][r + i][k + j]) fold_row(b, ring, r + i, k + j);
+                for (int n = 0; n < QY; n++) force += wr[i] * wu[j] * wy[n] * b->rib[ring][r + i][k + j][y + n];
+            }
+        force = V > 0.0 ? force : V < 0.0 ? -force : 0.0;
+        torque[0] += (ring ? -RIB_RADIUS : RIB_RADIUS) * force;
+        torque[1 + ring] = radius[ring] * force, torque[3] += force * V;
+    }
+#endif
+}
 /* Rates of cage speed and of the roller's spin s; outputs unless `out` is NULL */
 static void rates(bearing *b, const double *y, double *rate, double *out) {
     double w = y[0], wi = b->v[B_INNER_SPEED], wo = b->v[B_OUTER_SPEED], wc[4], rest = 0.0, Si, So;
@@ -109,18 +136,23 @@ static void rates(bearing *b, const double *y, double *rate, double *out) {
     for (int i = 0; i < QC; i++) rest += wc[i] * b->rest[k + i];
     double on_inner = b->lead_inner * (wi - w), on_outer = b->lead_outer * (wo - w);
     double drag = on_inner + on_outer - b->square * fabs(w) * w + (w > 0.0 ? rest : w < 0.0 ? -rest : 0.0);
-    double spin = ROLLER * (Fi - Si - Fo - So);
-    rate[0] = (drag + spin + RI * (Fi + Si) + RO * (Fo - So)) / ORBITAL_INERTIA;
+    double rib[4];
+    ribs(b, w, in, outer, c, rib);
+    double spin = ROLLER * (Fi - Si - Fo - So) + rib[0];
+    rate[0] = (drag + spin + RI * (Fi + Si) + rib[1] + RO * (Fo - So) + rib[2]) / ORBITAL_INERTIA;
     rate[1] = spin / SPIN_INERTIA;
     if (out) {
         double free_speed = (RI * wi + RO * wo) / (RI + RO), u = 0.5 * (in + outer), mi, mo, ri, ro;
         out[B_CAGE_SPEED] = w, out[B_ROLLER_SPEED] = y[1] + w;
         out[B_CAGE_SLIP] = free_speed != 0.0 ? 1.0 - w / free_speed : 0.0;
-        out[B_TORQUE] = RI * (Fi + Si) + on_inner, out[B_OUTER_TORQUE] = RO * (Fo - So) + on_outer;
+        out[B_TORQUE] = RI * (Fi + Si) + rib[1] + on_inner, out[B_OUTER_TORQUE] = RO * (Fo - So) + rib[2] + on_outer;
         out[B_POWER_LOSS] = Fi * (in - c) + Fo * (c - outer) + Si * (in + c) + So * (outer + c) - drag * w
-            + on_inner * wi + on_outer * wo;
+            + on_inner * wi + on_outer * wo + rib[3];
+        ribs(b, w, in, outer, u, rib);
+        double turns = rib[0] / ROLLER;
         ring_forces(b, 0, w, 0.0, fabs(u), &ri, &mi), ring_forces(b, 1, w, 0.0, fabs(u), &ro, &mo);
-        double limit = fmin(mo, mi - ri - ro), torque = RI * (limit + 2.0 * ri + ro) + RO * (limit - ro);
+        double limit = fmin(mo, mi - ri - ro + turns);
+        double torque = RI * (limit + 2.0 * ri + ro - turns) + rib[1] + RO * (limit - ro) + rib[2];
         out[B_DRAG_RESERVE] = drag != 0.0 ? fmin(torque / fabs(drag), 1e6) : 1e6;
     }
 }

@@ -33,7 +33,9 @@ from rollslip.results.table import in_shown_unit
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip.scene.values import Scene
 from rollslip_campaigns.surrogate import SurrogateSettings
+from rollslip_campaigns.surrogate.findings import axial_sentences
 from rollslip_campaigns.surrogate.tables import CAGE_SMALL, Axis, Tables
+from rollslip_studies.motion.rib_friction import LINEAR_SPEED
 
 __all__ = [
     "CSV_FORMAT",
@@ -150,8 +152,16 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
         "FIRST_T": n["first_temperature"], "X_SMALL": tables.sliding_small, "X_STEPS": 1.0 / tables.sliding_step,
         "C_SMALL": CAGE_SMALL, "C_STEPS": 1.0 / cage_step,
     }  # fmt: skip
+    rib_steps = tables.rib.shape[-1] - 1
+    if rib_steps:
+        numbers |= {
+            "RIB_RADIUS": n["rib_radius"],
+            "Y_SMALL": LINEAR_SPEED,
+            "Y_STEPS": rib_steps / float(np.arcsinh(tables.rib_top / LINEAR_SPEED)),
+        }
+        text += _array("RIB", tables.rib, "float")
     text += "".join(f"#define {name} {float(value)!r}\n" for name, value in numbers.items())
-    text += f"#define NX {tables.friction.shape[-1]}\n#define NC {rest.shape[1]}\n"
+    text += f"#define NX {tables.friction.shape[-1]}\n#define NC {rest.shape[1]}\n#define NY {rib_steps + 1}\n"
     for name, table, kind in (
         ("FRICTION", tables.friction, "float"),
         ("FORCE", tables.force, "float"),
@@ -166,7 +176,14 @@ def c_header(result: "xr.Dataset") -> tuple[str, str]:
     program = "".join([text, *map(_read_source, _C_FILES)])
     guid = f"{{{uuid.uuid5(_GUID_NAMESPACE, program)}}}"
     return (
-        f'/* Tables of a bearing, within {float(result.attrs["error"]):.2g}. */\n#define GUID "{guid}"\n{text}',
+        "".join(
+            f"/* {sentence} */\n"
+            for sentence in (
+                f"Tables of a bearing, within {float(result.attrs['error']):.2g}.",
+                *axial_sentences(result),
+            )
+        )
+        + f'#define GUID "{guid}"\n{text}',
         guid,
     )
 
@@ -341,8 +358,9 @@ def _description(result: "xr.Dataset", guid: str, binary_only: bool) -> str:
         fmiVersion="2.0",
         modelName="bearing",
         guid=guid,
-        description=f"Cage and rollers of a cylindrical roller bearing; friction within {error:.2g} % of "
-        f"{result.attrs.get('title') or result.attrs.get('source', 'a scene')}",
+        description=f"Cage and rollers of a roller bearing; friction within {error:.2g} % of "
+        f"{result.attrs.get('title') or result.attrs.get('source', 'a scene')}"
+        + "".join(f"; {sentence}" for sentence in axial_sentences(result)),
         generationTool=f"rollslip {json.loads(result.attrs['packages']).get('rollslip', '')}".strip(),
         variableNamingConvention="flat",
         numberOfEventIndicators="0",
@@ -437,7 +455,8 @@ class Csv(TablesFormat):
     def render(self, result: "xr.Dataset") -> Written:
         """Return the rows in engineering units, with names and units in the first; cells of NaN are empty.
 
-        The last column says whether the rolling speed is within the tables, and a note where the rows end.
+        The column inside says whether the rolling speed is within the tables, and a note where the rows end. The axial
+        load, if there is one, is the last column.
         """
         axes = ("temperature", "radial_load", "inner_speed")
         leads = np.abs(result["inner_speed"] - float(result["first_outer_speed"]))
@@ -449,7 +468,12 @@ class Csv(TablesFormat):
         rows = csv.writer(text, lineterminator="\n")
         columns = []
         ends = list[str]()
-        for grid in xr.broadcast(*(result[name] for name in (*axes, *_COLUMNS, "inside"))):
+        columns_shown = [*axes, *_COLUMNS, "inside"]
+        if "axial_ratio" in result:
+            axial_load = result["radial_load"] * result["axial_ratio"]
+            result["axial_load"] = axial_load.assign_attrs(about("N", "axial load"))
+            columns_shown.append("axial_load")
+        for grid in xr.broadcast(*(result[name] for name in columns_shown)):
             values = grid.transpose(*axes).to_numpy().ravel().tolist()
             unit, shown = in_shown_unit(str(grid.name), values, grid.attrs["units"])
             cells = ["" if value is None else f"{value:.8g}" for value in shown]
@@ -457,7 +481,8 @@ class Csv(TablesFormat):
             if grid.name in axes:
                 ends.append(f"{grid.name} {cells[0]} to {cells[-1]} {unit}".rstrip())
         rows.writerows(zip(*columns, strict=True))
-        return Written(text.getvalue(), (f"nothing is known beyond the rows: {', '.join(ends)}",))
+        beyond = f"nothing is known beyond the rows: {', '.join(ends)}"
+        return Written(text.getvalue(), (beyond, *axial_sentences(result)))
 
 
 FMU_FORMAT: Final = Fmu("fmu")

@@ -45,6 +45,8 @@ class SurrogateAccount(Account):
                 note="temperature x load x cage x rolling speed x slide-roll",
             )
         )
+        if sentences := axial_sentences(dataset):
+            rows.append(Row(key="axial_load", label="axial load", text=sentences[0]))
         if skids.any():
             rows.append(
                 Row(
@@ -65,7 +67,7 @@ class SurrogateAccount(Account):
         """Return sentences on the errors of the tables, their ranges, and nodes at which the bearing skids."""
         spans = [f"{name} {_format_span(dataset, name)}" for name in _RANGES]
         ranges = f"ranges: {', '.join(spans)}; beyond them the tables give the last values"
-        topics = {"error": [_error(dataset)], "ranges": [ranges]}
+        topics = {"error": [_error(dataset)], "ranges": [ranges, *axial_sentences(dataset)]}
         skids = np.isnan(dataset["steady_cage_slip"].to_numpy())
         if skids.any():
             topics["skidding"] = [
@@ -88,6 +90,14 @@ class SurrogateAccount(Account):
             "nodes": dict(zip(_NODES, json.loads(a["nodes"]), strict=True)),
             "ranges": {name: dataset[f"{name}_range"].to_numpy().tolist() for name in _RANGES},
         }
+
+
+def axial_sentences(dataset: "xr.Dataset") -> list[str]:
+    """Return the sentence on the axial load of the tables in a result, if they have one."""
+    if "axial_ratio" not in dataset:
+        return []
+    ratio = float(dataset["axial_ratio"])
+    return [f"the axial load is {ratio:.3g} of the radial load, as in the scene, at every load"]
 
 
 def _format_span(dataset: "xr.Dataset", name: str) -> str:

@@ -27,7 +27,7 @@ from rollslip_campaigns.surrogate.tables import (
 )
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.run import requested_engine
-from rollslip_campaigns.sweep.sampling import read_fraction, read_overs
+from rollslip_campaigns.sweep.sampling import Design, read_fraction, read_overs
 from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_studies.raceway_friction.study import (
     ROLLING_NODES,
@@ -127,6 +127,58 @@ class SurrogatePlan:
         ]
 
 
+@attrs.frozen(eq=False)
+class _WithAxialLoad(Design):
+    """Points that have an axial load in the ratio of a scene to their radial load."""
+
+    scene: Scene = attrs.field(kw_only=True)
+
+    def changes(self, number: int) -> dict[str, object]:
+        """Return the values that the point of a number changes in the scene, by key."""
+        changes = super().changes(number)
+        operation = self.scene.operation.with_load(float(str(changes[OPERATION_KEYS[1]])))
+        return {**changes, "operation.axial_load": operation.axial_load}
+
+
+def _with_axial_load(sweep: Sweep, given: Scene) -> Sweep:
+    """Return a sweep of a given scene whose points have an axial load in its ratio to the radial load, if any."""
+    design = sweep.design
+    if given.operation.axial_load:
+        design = _WithAxialLoad(design.axes, design.sampled, design.samples, scene=given)
+    return attrs.evolve(
+        sweep,
+        design=design,
+        given=given,
+        # values were checked with another axial load than points have
+        unusual=tuple(text for text in sweep.unusual if "operation.axial_load" not in text),
+    )
+
+
+def _holding_loads(
+    assembly: Assembly, ends: tuple[float, float], cage_speed: float, *, is_default: bool
+) -> tuple[float, float]:
+    """Return the ends of the radial load [N] if they hold the rings of a tapered bearing together, or raise.
+
+    The lower end rises where it is the default one.
+    """
+    scene = assembly.scene
+    if scene.bearing.contact_angle is None:
+        return ends
+    low, high = ends
+    k = assembly.kinematics
+    inner_speed = cage_speed * (k.inner_radius + k.outer_radius) / k.inner_radius
+    operation = attrs.evolve(scene.operation, inner_speed=inner_speed, outer_speed=0.0)
+    fast = attrs.evolve(assembly, scene=attrs.evolve(scene, operation=operation))
+    smallest = fast.at_load(low).scene.operation.radial_load
+    raise_problem_if(
+        smallest > (high if is_default else low),
+        f"{OPERATION_KEYS[1]}: {format_quantity(low, 'N')}, with the axial load in its ratio, does not hold the rings "
+        f"of a tapered bearing together at the largest speed of the tables, {format_quantity(smallest, 'N', 4)} does; "
+        "raise the lower end, or narrow the ranges of speeds",
+    )
+    return smallest, high
+
+
 def row_axes(ranges: Mapping[str, tuple[float, float]]) -> dict[str, Axis]:
     """Return the finest axes of temperature and load; an axis has one node where both bounds are the same."""
     axes = {}
@@ -158,13 +210,11 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
                 "and add these losses to the torque of the tables",
             ]
         )
-    if base.operation.axial_load:
-        raise SceneError(
-            [
-                "operation.axial_load: tables hold the friction of raceways, and one mean roller has no ribs that turn "
-                "it; leave it out, or compute steady slips with sweep",
-            ]
-        )
+    raise_problem_if(
+        not base.operation.radial_load,
+        "operation.radial_load: tables range over it, and hold the axial load in its ratio to it; state a radial load, "
+        "or compute steady slips with sweep",
+    )
     ranges = _ranges(base, requested.over)
     error = read_fraction(requested.error)
     raise_problem_if(
@@ -172,6 +222,13 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         f"error: a fraction from 0.0001 to 0.2 is expected, such as 0.01 or '1 %', not {requested.error}",
     )
     slow, fast, min_ratio, max_ratio = _speed_bounds(assembly, ranges)
+    cage_speed = max_ratio * fast / assembly.kinematics.outer_radius
+    ranges[OPERATION_KEYS[1]] = _holding_loads(
+        assembly,
+        ranges[OPERATION_KEYS[1]],
+        cage_speed,
+        is_default=not any("radial_load" in key for key in read_overs(requested.over or {})),
+    )
     study = f"study.{RacewayFriction.name}"
     scene = evolve(
         base,
@@ -205,6 +262,10 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
         if axis.nodes.size > 1:
             low, high = ranges[key]
             spans[key] = f"{low!r}:{high!r}{':log' if axis.logarithmic else ''}"
+    if base.operation.axial_load:
+        # values are checked one by one, with the axial load of the largest radial load
+        operation = base.operation.with_load(ranges[OPERATION_KEYS[1]][1])
+        scene = evolve(scene, {"operation.axial_load": operation.axial_load}, si=True)
     sweep = plan_sweep(scene, rows, **options)
     requested_engine(sweep)
     sampling = {"samples": requested.checks, "seed": 1, "sampling": "latin-hypercube"}
@@ -215,8 +276,8 @@ def plan_surrogate(requested: "SurrogateSettings") -> SurrogatePlan:
     )
     return SurrogatePlan(
         scene=base,
-        sweep=attrs.evolve(sweep, given=requested.base_scene),
-        random=attrs.evolve(random, given=requested.base_scene),
+        sweep=_with_axial_load(sweep, requested.base_scene),
+        random=_with_axial_load(random, requested.base_scene),
         ranges=ranges,
         rolling=rolling,
         error=error,

@@ -38,10 +38,10 @@ def stiffness(
     Returns
     -------
     array
-        Stiffness; NaN where rings are flexible.
+        Stiffness; NaN where rings are flexible, and under axial load, which ribs or inclined contacts bear.
     """
     case = assembly.load_case(n_positions)
-    if case.rings is not None:
+    if case.rings is not None or case.axial_load:
         return np.full((2, 2), np.nan)
     loads = assembly.load_distribution(n_positions, cage_speed)
     x = loads.position

@@ -93,12 +93,14 @@ _TIME_AFTER: Final = 0.2
 #: Shaft speeds at which steady states and stiffness are tabulated. Doubling it doubles their time and rows in a CSV
 #: file, and changes no motion; chosen.
 _SHAFT_NODES = 9
-#: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio).
+#: Number of trailing axes of each table, of (cage ratio, rolling speed, slide-roll ratio); of ribs the last one is
+#: their sliding speed, with one node without axial load.
 _TABLE_AXES: Final = {
     "mean_friction": 3,
     "largest_friction": 2,
     "ring_resistance": 2,
     "ring_force": 2,
+    "rib_friction": 3,
 }
 
 
@@ -128,7 +130,7 @@ class _Nodes:
         _compute_points(self.points, self.results, numbers.ravel().tolist())
         return {
             name: np.array([[self.results[int(n)][name] for n in row] for row in numbers])
-            for name in (*_TABLE_AXES, "cage_ratio", "rolling_speed", "slide_roll")
+            for name in self.plan.sweep.outputs
         }
 
 
@@ -164,14 +166,15 @@ def _apply_along(table: Array, axis: int, matrix: Array) -> Array:
 def _max_errors(tables: Mapping[str, Array], reference: Mapping[str, Array]) -> Array:
     """Return the largest relative error in each row of the first axis.
 
-    Errors of friction are relative to the largest friction over the slide-roll ratio, those of other tables to
-    themselves.
+    Errors of friction are relative to the largest friction over the slide-roll ratio, also of ribs to that of
+    raceways, those of other tables to themselves.
     """
     worst = np.zeros(len(reference["mean_friction"]))
+    largest = reference["mean_friction"].max(axis=-1)
+    sizes = {**reference, "mean_friction": largest[..., None]}
+    sizes["rib_friction"] = (largest * reference["ring_force"])[..., None]
     for name in _TABLE_AXES:
-        size = np.abs(reference[name])
-        if name == "mean_friction":
-            size = size.max(axis=-1, keepdims=True)
+        size = np.abs(sizes[name])
         errors = np.abs(tables[name] - reference[name]) / np.where(size > 0.0, size, np.inf)
         worst = np.maximum(worst, errors.reshape(len(worst), -1).max(axis=1))
     return worst
@@ -186,8 +189,8 @@ def _coarsen(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, A
 def _interpolate_all_nodes(tables: Mapping[str, Array], strides: Sequence[int]) -> dict[str, Array]:
     """Return coarsened tables, interpolated on all nodes."""
     fine = {}
-    for name, count in _TABLE_AXES.items():
-        table = tables[name]
+    for name, table in tables.items():
+        count = _TABLE_AXES[name]
         for axis, stride in enumerate(strides[:count], start=table.ndim - count):
             if (nodes := table.shape[axis]) > 1:
                 matrix = weights(nodes, np.arange((nodes - 1) * stride + 1) / stride)
@@ -275,8 +278,8 @@ def run_surrogate(
             for name, row in zip(axes, rows, strict=True)
         )
         interpolated = {
-            name: np.einsum("pt,pw,tw...->p...", t, w, tables[name], optimize=True)
-            for name in _TABLE_AXES
+            name: np.einsum("pt,pw,tw...->p...", t, w, table, optimize=True)
+            for name, table in tables.items()
         }
         errors = _max_errors(_interpolate_all_nodes(interpolated, strides), reference)
         drags = tabulate_drags(
@@ -381,7 +384,7 @@ def _refine_rows(nodes: _Nodes, levels: Sequence[int], allowed: float) -> list[i
                     name: np.moveaxis(_apply_along(coarse[name], k, between), k, 0)
                     for name in _TABLE_AXES
                 },
-                {name: np.moveaxis(reference[name], k, 0) for name in _TABLE_AXES},
+                {name: np.moveaxis(table, k, 0) for name, table in reference.items()},
             )
             error = errors.max()
             if k == 0:
@@ -435,7 +438,6 @@ def _dataset(
     errors: Array,
 ) -> "xr.Dataset":
     """Return the result: tables, numbers of the bearing, ranges, errors at random operations, and steady states."""
-    scene = plan.sweep.scene
     axes = row_axes(plan.ranges)
     T, W = (axes[name].nodes[row] for name, row in zip(axes, rows, strict=True))
     nodes = {
@@ -452,9 +454,10 @@ def _dataset(
         )
         for name, count in _TABLE_AXES.items()
     }
+    variables["rib_friction"] = ((*dims[:5], "rib_sliding"), *variables["rib_friction"][1:])
     for name, unit, over, text in _DRAG_VARIABLES:
         variables[f"drag_{name}"] = (over, drags.terms[name], about(unit, text))
-    variables |= bearing_variables(scene)
+    variables |= bearing_variables(plan.scene)
     variables |= {
         f"{key.partition('.')[2]}_range": ("end", np.array(ends), about(unit, f"ends of {key}"))
         for (key, ends), unit in zip(plan.ranges.items(), UNITS, strict=True)
@@ -482,6 +485,8 @@ def _dataset(
             ("cage_speed", CAGE_SMALL * np.sinh(step * np.arange(CAGE_NODES)), "rad/s"),
         )
     }
+    sliding = tables["rib_sliding"][0, 0][:: strides[2]]
+    coords["rib_sliding"] = ("rib_sliding", sliding, about("m/s", "sliding speed of ribs"))
     coords["ring"] = ("ring", ["inner", "outer"], about("1", "raceway"))
     result = xr.Dataset(
         variables,

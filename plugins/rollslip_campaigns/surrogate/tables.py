@@ -9,6 +9,10 @@
       J s' = r (F_i - F_Ri) - r (F_o + F_Ro)
       (I_c + Z m R_m^2) w' = T + r (F_i - F_Ri) + R_i (F_i + F_Ri) - r (F_o + F_Ro) + R_o (F_o - F_Ro)
 
+  Under axial load the friction of ribs F_fi and F_fo adds to this, at the distances rho from the axis of the rollers
+  and R_i + h and R_o - h from that of the bearing, h = r - rho: rho (F_fi - F_fo) to the first, R_m (F_fi + F_fo) to
+  the second. It is tabulated over the speeds of the rib.
+
 - The torque T of the drags on the cage is a sum: coefficients times the lead of each ring before the cage, a
   coefficient times the square of the cage speed, and a remainder over the cage speed. Churning depends on the oil
   between the rings, and this oil on their speeds, so that the coefficient of the square is tabulated over the rolling
@@ -28,6 +32,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.results.dataset import about, xr
 from rollslip.scene.values import Scene
 from rollslip.search import Array
+from rollslip_studies.motion.rib_friction import LINEAR_SPEED
 
 __all__ = [
     "CAGE_SMALL",
@@ -157,11 +162,15 @@ class Tables:
         Largest friction over the slide-roll ratio, without the last axis.
     resistance, force : array
         Rolling resistance and normal force of all rollers [N], likewise.
+    rib : array
+        Friction of the ribs of all rollers [N], over the sliding speed of the rib, too; without axial load it is 0.
     drags : mapping
         Drags on the cage: inner, outer [N m s] over temperature; cage [N m s2] over rolling speed too; rest [N m] over
         temperature and cage speed.
     cage_top : float
         Last cage speed of the remainder [rad/s].
+    rib_top : float
+        Last sliding speed of ribs [m/s].
     numbers : mapping
         Radii, masses and inertias of the bearing, by name.
     """
@@ -173,8 +182,10 @@ class Tables:
     largest: Array
     resistance: Array
     force: Array
+    rib: Array
     drags: Mapping[str, Array]
     cage_top: float
+    rib_top: float
     numbers: Mapping[str, float]
 
     @classmethod
@@ -182,6 +193,9 @@ class Tables:
         """Return the tables in a result of campaign surrogate."""
         ratio = result["slide_roll"].to_numpy()
         small = float(result.attrs["sliding_small"])
+        # results of earlier versions have no ribs
+        without = result["ring_force"].expand_dims(rib_sliding=[0.0], axis=-1)
+        rib = result.get("rib_friction", 0.0 * without)
         return cls(
             axes={
                 name: Axis(result[name].to_numpy(), name != "temperature")
@@ -193,11 +207,13 @@ class Tables:
             largest=result["largest_friction"].to_numpy(),
             resistance=result["ring_resistance"].to_numpy(),
             force=result["ring_force"].to_numpy(),
+            rib=rib.to_numpy(),
             drags={
                 name: result[f"drag_{name}"].to_numpy()
                 for name in ("inner", "outer", "cage", "rest")
             },
             cage_top=float(result["cage_speed"][-1]),
+            rib_top=float(rib["rib_sliding"][-1]),
             numbers={
                 str(name): float(value)
                 for name, value in result.data_vars.items()
@@ -227,6 +243,7 @@ class Tables:
             contract(self.largest),
             contract(self.resistance),
             contract(self.force),
+            contract(self.rib),
             {name: np.tensordot(t, value, axes=1) for name, value in self.drags.items()},
         )
 
@@ -290,6 +307,19 @@ def bearing_variables(scene: Scene) -> dict[str, Any]:
             "kg m2",
             "of all rollers about themselves",
         ),
+        *(
+            [
+                ("rib_radius", pair.spin_radius, "m", "from the axis of a roller to its ribs"),
+                (
+                    "axial_ratio",
+                    (o.axial_load or 0.0) / o.radial_load,
+                    "1",
+                    "axial over radial load",
+                ),
+            ]
+            if (pair := assembly.ribs) is not None
+            else []
+        ),
         ("first_load", o.radial_load, "N", "radial load of the scene"),
         ("first_temperature", o.temperature, "K", "temperature of the scene"),
         ("first_inner_speed", o.inner_speed, "rad/s", "speed of the inner ring of the scene"),
@@ -307,6 +337,7 @@ class OperationTables:
     largest: Array
     resistance: Array
     force: Array
+    rib: Array
     drags: Mapping[str, Array]
 
     def _weights(self, w: Array, u: Array) -> tuple[Array, Array]:
@@ -340,6 +371,41 @@ class OperationTables:
             force = force + weight * (by_speed @ self.force[ring, c])
             resistance = resistance + weight * (by_speed @ self.resistance[ring, c])
         return np.asarray(np.sign(V) * friction * force), np.asarray(resistance * u / film)
+
+    def ribs(self, w: Array, a: Array, b: Array, c: Array) -> tuple[Array, Array, Array]:
+        """Return what all ribs add: the torque on the rollers over r [N], torques of both rings [N m], (n,) each.
+
+        Parameters
+        ----------
+        w : array
+            Speed of the cage [rad/s], (n,).
+        a, b, c : array
+            Surface speeds of inner raceway, outer raceway and roller beside the cage [m/s], (n,).
+        """
+        n = self.tables.numbers
+        if self.rib.shape[-1] == 1:
+            return np.zeros_like(w), np.zeros_like(w), np.zeros_like(w)
+        height = n["roller_radius"] - n["rib_radius"]
+        lever = n["rib_radius"] / n["roller_radius"]
+        step = math.asinh(self.tables.rib_top / LINEAR_SPEED) / (self.rib.shape[-1] - 1)
+        forces = []
+        inner = a * (1.0 + height / n["inner_radius"])
+        outer = b * (1.0 - height / n["outer_radius"])
+        for ring, V, u in (
+            (0, inner - lever * c, 0.5 * (inner + lever * c)),
+            (1, lever * c - outer, 0.5 * (outer + lever * c)),
+        ):
+            by_cage, by_speed = self._weights(w, u)
+            by_sliding = weights(self.rib.shape[-1], np.arcsinh(np.abs(V) / LINEAR_SPEED) / step)
+            friction = np.einsum(
+                "nc,nu,nv,cuv->n", by_cage, by_speed, by_sliding, self.rib[ring], optimize=True
+            )
+            forces.append(np.sign(V) * friction)
+        return (
+            lever * (forces[0] - forces[1]),
+            (n["inner_radius"] + height) * forces[0],
+            (n["outer_radius"] - height) * forces[1],
+        )
 
     def drag(self, w: Array, inner: Array | float, outer: float) -> Array:
         """Return the torque of the drags on the cage [N m], (n,).
@@ -428,12 +494,14 @@ class OperationTables:
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
             (Fi, Si), (Fo, So) = self._forces(w, a, b, middle)
-            accelerates = Fi - Si - Fo - So > 0.0
+            accelerates = Fi - Si - Fo - So + self.ribs(w, a, b, middle)[0] > 0.0
             low = np.where(accelerates, middle, low)
             high = np.where(accelerates, high, middle)
-        (Fi, Si), (Fo, So) = self._forces(w, a, b, 0.5 * (low + high))
-        on_inner = Ri * (Fo + 2.0 * Si + So)  # F_i of a roller in balance
-        on_outer = Ro * (Fo - So)
+        middle = 0.5 * (low + high)
+        (Fi, Si), (Fo, So) = self._forces(w, a, b, middle)
+        turning, inner_rib, outer_rib = self.ribs(w, a, b, middle)
+        on_inner = Ri * (Fo + 2.0 * Si + So - turning) + inner_rib  # F_i of a roller in balance
+        on_outer = Ro * (Fo - So) + outer_rib
         net = on_inner + on_outer + self.drag(w, inner, outer)
         return net.reshape(shape), on_inner.reshape(shape), on_outer.reshape(shape)
 
@@ -457,10 +525,14 @@ class OperationTables:
             interpolate(self.largest, ring) * interpolate(self.force, ring) for ring in (0, 1)
         ]
         resistances = [interpolate(self.resistance, ring) for ring in (0, 1)]
-        on_outer = np.minimum(limits[1], limits[0] - resistances[0] - resistances[1])
-        torque = n["inner_radius"] * (on_outer + 2.0 * resistances[0] + resistances[1]) + n[
-            "outer_radius"
-        ] * (on_outer - resistances[1])
+        a = n["inner_radius"] * (inner - w)
+        b = n["outer_radius"] * (w - outer)
+        turning, inner_rib, outer_rib = self.ribs(w, a, b, 0.5 * (a + b))
+        on_outer = np.minimum(limits[1], limits[0] - resistances[0] - resistances[1] + turning)
+        torque = n["inner_radius"] * (
+            on_outer + 2.0 * resistances[0] + resistances[1] - turning
+        ) + n["outer_radius"] * (on_outer - resistances[1])
+        torque = torque + inner_rib + outer_rib
         drag = np.abs(self.drag(w, inner, outer))
         return np.where(
             drag > 0.0,

@@ -20,12 +20,14 @@ from rollslip.models import RibContact, RibModel
 from rollslip.search import Array
 from rollslip_kernels.slices import Conditions
 
+__all__ = ["LINEAR_SPEED", "RibFriction", "rib_forces", "rib_friction"]
+
 #: What compiled spins take of ribs: tables, first loads, weights, leads, linear speed, limit, height.
 RibArguments: TypeAlias = tuple[Array, NDArray[np.intp], Array, Array, float, float, float]
 
 #: Speed V_s from which on steps of the sliding speed are in proportion to it [m/s]. Half and twice the value change
 #: slips of an NJ 2312 by up to 3e-4 of them; chosen, a quarter of the speed over which built-in laws change their sign.
-_LINEAR_SPEED: Final = 2.5e-3
+LINEAR_SPEED: Final = 2.5e-3
 #: Steps of the sliding speed. Torques of an NJ 2312 have an error of 1e-5 of the largest, 3e-4 with three quarters as
 #: many, at which a tanh is no longer resolved; chosen.
 _SPEED_STEPS: Final = 64
@@ -57,6 +59,40 @@ def _cubic_weights(at: Array, n: int) -> tuple[NDArray[np.intp], Array]:
         t * (t - 1.0) * (t - 2.0) / 6.0,
     )
     return first, np.stack(weights, axis=1)
+
+
+def rib_forces(
+    law: RibModel,
+    pair: RibPair,
+    conditions: tuple[Conditions, Conditions],
+    ring: int,
+    given: tuple[Array, Array, Array],
+) -> Array:
+    """Return the friction of contacts with the rib of a ring [N], at the radii of the pair; 0 of a ring without one.
+
+    Parameters
+    ----------
+    law, pair, conditions
+        As in `RibFriction`.
+    ring : int
+        0 for the inner ring, 1 for the outer one.
+    given : tuple of ndarray
+        Loads [N], rolling and sliding speeds at the radii of the pair [m/s], which are broadcast.
+    """
+    load, rolling, sliding = np.broadcast_arrays(*given)
+    contact = RibContact(
+        conditions=conditions[ring],
+        load=load.ravel(),
+        rolling_speed=pair.scale * rolling.ravel(),
+        sliding_speed=pair.scale * sliding.ravel(),
+    )
+    force = np.asarray(law.friction(contact), dtype=float)
+    if force.shape != contact.load.shape or not np.isfinite(force).all():
+        raise DomainError(
+            f"models.rib: {law.name!r} gives no finite force of each of {contact.load.size} contacts with a rib; "
+            "state lubricant values that it needs, or choose another law, such as constant"
+        )
+    return pair.sides[ring] * pair.scale * force.reshape(load.shape)
 
 
 def rib_friction(
@@ -116,7 +152,7 @@ class RibFriction:
         speeds = self._surface_speeds(np.array([-1.0, 1.0]))
         largest = _SPEED_RANGE * float(np.abs(speeds).max(axis=1).sum())
         #: largest abscissa asinh(V/V_s) of the curves
-        self._limit = float(np.arcsinh(largest / _LINEAR_SPEED))
+        self._limit = float(np.arcsinh(largest / LINEAR_SPEED))
         self._tables = np.stack([self._table(ring) for ring in range(2)])
 
     def _surface_speeds(self, slips: Array) -> Array:
@@ -136,25 +172,13 @@ class RibFriction:
         step = 2.0 * self._limit / _SPEED_STEPS
         # two more on each side, for slopes of fourth order
         abscissa = step * (np.arange(_SPEED_STEPS + 5) - 2.0) - self._limit
-        sliding = _LINEAR_SPEED * np.sinh(abscissa)
+        sliding = LINEAR_SPEED * np.sinh(abscissa)
         surface = self._surface_speeds(_CAGE_SLIPS)[ring]
         half = 0.5 if ring else -0.5
         rolling = np.hypot(surface[:, None, None] + half * sliding, _MIN_FILM_SPEED)
         loads = np.exp(self._log_loads)[None, :, None]
-        shape = np.broadcast_shapes(rolling.shape, loads.shape)
-        contact = RibContact(
-            conditions=self._conditions[ring],
-            load=np.broadcast_to(loads, shape).ravel(),
-            rolling_speed=self.pair.scale * np.broadcast_to(rolling, shape).ravel(),
-            sliding_speed=self.pair.scale * np.broadcast_to(sliding, shape).ravel(),
-        )
-        force = np.asarray(self._law.friction(contact), dtype=float)
-        if force.shape != contact.load.shape or not np.isfinite(force).all():
-            raise DomainError(
-                f"models.rib: {self._law.name!r} gives no finite force of each of {contact.load.size} contacts with a "
-                "rib; state lubricant values that it needs, or choose another law, such as constant"
-            )
-        values = self.pair.sides[ring] * self.pair.scale * force.reshape(shape) / loads
+        force = rib_forces(self._law, self.pair, self._conditions, ring, (loads, rolling, sliding))
+        values = force / loads
         slopes = (
             8.0 * (values[..., 3:-1] - values[..., 1:-3]) - values[..., 4:] + values[..., :-4]
         ) / 12.0
@@ -189,7 +213,7 @@ class RibFriction:
         """
         smallest = float(self._log_loads[0])
         step = float(self._log_loads[1]) - smallest
-        abscissa = (_LINEAR_SPEED, self._limit)
+        abscissa = (LINEAR_SPEED, self._limit)
         return self.tables(slips), loads, smallest, step, *abscissa, self.pair.height
 
     def arguments(self, slips: Array, loads: Array) -> RibArguments:
@@ -213,7 +237,7 @@ class RibFriction:
             first,
             weights * loads[:, None],
             leads,
-            _LINEAR_SPEED,
+            LINEAR_SPEED,
             self._limit,
             self.pair.height,
         )

@@ -12,6 +12,8 @@ all loaded slices over the orbit, the sum of their forces, and the sum of their 
 - The supply of oil, and with it the drags that depend on it, is that of rings between which the bearing rolls at u
   without slip: slip changes u by less than (R_o - R_i)/(2 R_o).
 - Friction is evaluated for V > 0; it is odd in V, as all built-in laws are.
+- Under axial load there is the friction of all ribs of a ring, over the rolling and sliding speed of the rib. It goes
+  with V near V = 0 and with the logarithm beyond, whatever u is, so that its nodes are uniform in asinh(V/V_s).
 """
 
 import math
@@ -32,6 +34,7 @@ from rollslip.scene.changes import evolve
 from rollslip.studies.answers import Output, RunContext
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip_studies.motion.orbit_loads import orbit_loads
+from rollslip_studies.motion.rib_friction import LINEAR_SPEED, rib_forces
 
 __all__ = [
     "MAX_SLIDE_ROLL",
@@ -96,6 +99,10 @@ class RacewayFriction(Study):
             ),
             "rolling_speed": Output("rolling_node", "m/s", "rolling speed"),
             "slide_roll": Output("sliding_node", "1", "sliding over rolling speed"),
+            "rib_friction": Output(
+                f"{_GRID} rib_node", "N", "friction of the ribs of all rollers, mean over the orbit"
+            ),
+            "rib_sliding": Output("rib_node", "m/s", "sliding speed of ribs"),
         }
     )
     controlled_outputs: ClassVar[Mapping[str, str]] = MappingProxyType(
@@ -177,7 +184,8 @@ class RacewayFriction(Study):
         -------
         xarray.Dataset
             Dimensions (ring, cage_node, rolling_node, sliding_node): mean_friction; without the last largest_friction,
-            ring_force and ring_resistance; and the nodes cage_ratio, rolling_speed and slide_roll.
+            ring_force and ring_resistance; and the nodes cage_ratio, rolling_speed and slide_roll. With rib_node as the
+            last: rib_friction, and the nodes rib_sliding; one node of no friction without axial load.
         """
         assembly = assembly.with_resistance()
         epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
@@ -195,12 +203,16 @@ class RacewayFriction(Study):
         speeds = np.outer(rho, u) / assembly.kinematics.outer_radius
         supplied = [at_rolling_speed(assembly, speed) for speed in u.tolist()]
         loads = [
-            orbit_loads(bearing, n_positions, cage_speeds)[:2]
+            orbit_loads(bearing, n_positions, cage_speeds)
             for bearing, cage_speeds in zip(supplied, speeds.T, strict=True)
         ]
         friction = np.zeros((len(RINGS), *speeds.shape, _SLIDING_NODES))
         force = np.zeros(friction.shape[:3])
         resistance = np.zeros(friction.shape[:3])
+        largest_sliding = MAX_SLIDE_ROLL * high / LINEAR_SPEED
+        n_sliding = 1 if assembly.ribs is None else _SLIDING_NODES
+        sliding = LINEAR_SPEED * np.sinh(np.linspace(0.0, math.asinh(largest_sliding), n_sliding))
+        rib = np.zeros((*force.shape, n_sliding))
         for ring in range(len(RINGS)):
             for i, j in np.ndindex(speeds.shape):
                 of_ring, _ = loads[j][ring]
@@ -214,6 +226,9 @@ class RacewayFriction(Study):
                 if contacts.total > 0.0:
                     friction[ring, i, j, 1:] = _friction(contacts, float(u[j]), u[j] * ratio[1:])
                     resistance[ring, i, j] = _resistance(contacts, float(u[j])) / n_positions
+                if n_sliding > 1:
+                    of_ribs = _rib_friction(supplied[j], ring, loads[j][2][i], float(u[j]), sliding)
+                    rib[ring, i, j] = of_ribs / n_positions
         return xr.Dataset(
             self.variables(
                 mean_friction=friction,
@@ -223,6 +238,8 @@ class RacewayFriction(Study):
                 cage_ratio=rho,
                 rolling_speed=u,
                 slide_roll=ratio,
+                rib_friction=rib,
+                rib_sliding=sliding,
             ),
             coords={"ring": ("ring", list(RINGS), about("1", "raceway"))},
             attrs=self.attributes,
@@ -276,6 +293,16 @@ def _resistance(contacts: LoadedContacts, u: float) -> float:
         return 0.0
     reduced = contacts.reduced(_RESISTANCE_LOADS, whole=True)
     return float((contacts.raceway.evaluate(reduced.load, u, 0.0).resistance * reduced.width).sum())
+
+
+def _rib_friction(assembly: Assembly, ring: int, forces: Array, u: float, sliding: Array) -> Array:
+    """Return the sum of the friction of ribs under given forces [N], at a rolling speed over sliding speeds, (n,)."""
+    assert assembly.rib is not None
+    assert assembly.ribs is not None
+    load, count = np.unique(forces[forces > 0.0], return_counts=True)
+    given = load[:, None], np.array(u), sliding
+    friction = rib_forces(assembly.rib, assembly.ribs, assembly.rib_conditions, ring, given)
+    return np.asarray(count @ friction)
 
 
 def _largest(friction: Array) -> Array:
