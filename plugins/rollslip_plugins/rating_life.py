@@ -1,4 +1,4 @@
-"""Rating life of a cylindrical roller bearing by ISO 281 and by ISO/TS 16281."""
+"""Rating life of a cylindrical or tapered roller bearing by ISO 281 and by ISO/TS 16281."""
 
 from functools import cache
 from typing import ClassVar, Final
@@ -45,13 +45,14 @@ _MODIFYING_LOAD: Final = 0.323
 class Iso281(LifeModel):
     """Basic rating life of ISO 281: the life that nine of ten bearings reach, by radial load and dynamic rating.
 
-    L10 = (C/P)^(10/3), P = F_r.
+    L10 = (C/P)^(10/3), P = F_r; of tapered rollers P = 0.4 F_r + 0.4 F_a cot(a) where F_a/F_r > e = 1.5 tan(a).
 
     Symbols:
 
     - L10: basic rating life [1e6 revolutions of the rings relative to each other]
     - C: basic dynamic radial load rating, of the catalogue or by geometry [N]
-    - P: dynamic equivalent load [N]; with radial load alone it is the radial load F_r
+    - P: dynamic equivalent load [N]; F_r, F_a: radial and axial load [N]
+    - a: contact angle of the outer raceway of tapered rollers [rad]
 
     Range: a radial load up to C0/2, aligned rings, usual clearance, fatigue of the raceways as the only failure, no
     slip. Clearance, tilt, profile and flexible rings have no effect.
@@ -73,10 +74,11 @@ class Iso281(LifeModel):
 
     def rate(self, duty: LifeDuty) -> RatedLife:
         """Return the basic rating life."""
-        if not duty.radial_load > 0.0:
+        load = duty.equivalent_load
+        if not load > 0.0:
             raise DomainError("has no finite life: there is no radial load")
-        life = REVOLUTIONS * (duty.dynamic_rating / duty.radial_load) ** _LIFE_EXPONENT
-        return RatedLife(revolutions=life, equivalent_load=duty.radial_load)
+        life = REVOLUTIONS * (duty.dynamic_rating / load) ** _LIFE_EXPONENT
+        return RatedLife(revolutions=life, equivalent_load=load)
 
 
 @attrs.frozen(kw_only=True)
@@ -86,7 +88,8 @@ class Iso16281(LifeModel):
     L10r = [sum_k (q_kei/q_kci)^(9/2) + (q_kee/q_kce)^(9/2)]^(-8/9),
     q_ke = f (mean_j q_jk^e)^(1/e), e = 4 of a ring that turns relative to the load and 9/2 of one at rest,
     q_kc = Q_c (x_k/L)^(7/9), r = ((1 - gamma)/(1 + gamma))^(143/108),
-    Q_ci = C/(0.83 0.378 Z) {1 + [1.038 r]^(9/2)}^(2/9), Q_ce = C/(0.83 0.364 Z) {1 + [1.038 r]^(-9/2)}^(2/9),
+    Q_ci = C/(0.83 0.378 Z cos a) {1 + [1.038 r]^(9/2)}^(2/9),
+    Q_ce = C/(0.83 0.364 Z cos a) {1 + [1.038 r]^(-9/2)}^(2/9),
     f = 1 - 0.01/ln(1.985 |x|/L).
 
     With slices of unequal widths the sum is a quadrature along the roller,
@@ -100,12 +103,14 @@ class Iso16281(LifeModel):
     - q_kei, q_kee; q_kci, q_kce: equivalent loads and ratings of a slice on inner and outer ring [N]
     - Q_ci, Q_ce: ratings of a roller on inner and outer ring [N]
     - C: basic dynamic radial load rating [N]
-    - Z, gamma: number of rollers; their diameter over the pitch diameter [1]
+    - Z, gamma: number of rollers; their diameter times cos a over the pitch diameter [1]
+    - a: contact angle of the outer raceway of tapered rollers [rad]
     - x, x_k, L: place from the middle of the roller, width of a slice, effective length of a roller [m]
     - f: factor of edge stress [1], left out with ``edge_stress = false``
 
     The life is modified slice by slice, with the load of ISO 16281:2025, (31),
-    P_k = 0.323 Z Q_ci {[D_ki + 1.038^(9/2) D_ke]/[1 + (1.038 Q_ci/Q_ce)^(9/2)]}^(2/9), where D_k is (w_ke L/Q_c)^(9/2).
+    P_k = 0.323 Z cos a Q_ci {[D_ki + 1.038^(9/2) D_ke]/[1 + (1.038 Q_ci/Q_ce)^(9/2)]}^(2/9), where D_k is
+    (w_ke L/Q_c)^(9/2).
 
     Range: as `Iso281`, but with clearance, preload, tilt, profile, flexible rings and form errors, which act by the
     loads. The edge factor approximates the logarithmic profile of ISO/TS 16281 at medium loads and tilts up to 4'.
@@ -160,6 +165,7 @@ class Iso16281(LifeModel):
             damage=damage / total,
             slice_load=_MODIFYING_LOAD
             * duty.rollers
+            * np.cos(duty.contact_angle)
             * ratings[0]
             * mean ** (1.0 / _DAMAGE_EXPONENT),
         )
@@ -167,12 +173,12 @@ class Iso16281(LifeModel):
 
 def roller_ratings(duty: LifeDuty) -> Array:
     """Return the dynamic ratings of a roller on the inner and the outer ring [N], (2,)."""
-    gamma = duty.roller_diameter / duty.pitch_diameter
+    cosine = np.cos(duty.contact_angle)
+    gamma = duty.roller_diameter * cosine / duty.pitch_diameter
     ratio = (_REST_RATIO * ((1.0 - gamma) / (1.0 + gamma)) ** RATIO_EXPONENT) ** _DAMAGE_EXPONENT
     sums = (1.0 + np.array([ratio, 1.0 / ratio])) ** (1.0 / _DAMAGE_EXPONENT)
-    return np.asarray(
-        duty.dynamic_rating * sums / (REDUCTION * duty.rollers * np.array(_MEAN_LOADS))
-    )
+    rollers = REDUCTION * duty.rollers * cosine * np.array(_MEAN_LOADS)
+    return np.asarray(duty.dynamic_rating * sums / rollers)
 
 
 def edge_damage(widths: Array) -> Array:

@@ -92,13 +92,6 @@ def test_pitch_diameter_needs_a_contact_angle() -> None:
         scene(text)
 
 
-@pytest.mark.parametrize(
-    ("study", "message"),
-    [
-        ("dynamics", "know no tapered bearing"),
-        ("rating-life", "the rating life of a tapered bearing is not"),
-    ],
-)
-def test_studies_without_a_tapered_bearing_refuse_it(study: str, message: str) -> None:
-    with pytest.raises(SceneError, match=message):
-        rollslip.run(scene(accuracy__tolerance=0.05), study)
+def test_motions_in_time_refuse_a_tapered_bearing() -> None:
+    with pytest.raises(SceneError, match="know no tapered bearing"):
+        rollslip.run(scene(accuracy__tolerance=0.05), "dynamics")

@@ -17,6 +17,7 @@ from rollslip.results.text import (
     two_digits,
 )
 from rollslip.scene.values import Scene
+from rollslip.studies.rating_life.equivalent_load import static_equivalent_load
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
@@ -74,9 +75,8 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
         viscosity = f"{two_digits(1e3 * duty.viscosity)} mPa s"
         summary.append(f"kappa {text}")
     rows.append(Row(key="kappa", label="kappa", value=kappa, text=text, note=viscosity))
-    load = scene.operation.radial_load
-    is_tapered = bearing.contact_angle is not None
-    if load > 0.0 and not is_tapered:
+    load = static_equivalent_load(scene)
+    if load > 0.0:
         safety = bearing.static_rating / load
         note = f"C0 {format_force(bearing.static_rating, bearing.static_rating)} after ISO 76"
         rows.append(Row(key="C0/P", label="C0/P", value=safety, text=two_digits(safety), note=note))
@@ -109,7 +109,7 @@ def scene_answer(scene: Scene, commands: tuple[str, ...]) -> Answer:
             note=f"without slip; rollers {rollers}",
         ),
     ]
-    if not is_tapered:
+    if bearing.contact_angle is None:
         rows.append(
             Row(
                 key="clearance",

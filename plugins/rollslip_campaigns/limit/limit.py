@@ -470,7 +470,9 @@ def _dataset(
         for name, value in grid.attrs.items()
         if name not in ("axes", "sampling", "seed")
     }
-    if search.axis.key == "operation.radial_load":
+    bearing = search.sweep.scene.bearing
+    # the axial load of tapered rollers is constant here
+    if search.axis.key == "operation.radial_load" and bearing.contact_angle is None:
         attributes |= largest_load(search.sweep.scene)
     return xr.Dataset(
         variables,

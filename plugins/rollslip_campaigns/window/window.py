@@ -25,6 +25,7 @@ from rollslip.scene.values import Scene
 from rollslip.search import Array
 from rollslip.structure import raise_problem_if
 from rollslip.studies.quantities import quantities
+from rollslip.studies.rating_life.equivalent_load import static_equivalent_load
 from rollslip.studies.rating_life.model import life_models
 from rollslip.studies.study import settings
 from rollslip.units import quantity
@@ -129,7 +130,8 @@ def plan_window(requested: WindowSettings) -> WindowPlan:
     known = quantities(assembly, settings(base, SteadySlip.name))
     varied = continuous_quantity(known, key)
     raise_problem_if(
-        varied.key == "operation.radial_load",
+        varied.key == "operation.radial_load"
+        or (base.bearing.contact_angle is not None and varied.key == "operation.axial_load"),
         f"{varied.key}: a window finds this load; take another quantity",
     )
     values = _values(varied, span)
@@ -230,7 +232,10 @@ def _result(made: WindowPlan, slips: "xr.Dataset", by_life: "xr.Dataset") -> "xr
     points = ("point",)
     unknown = np.full(len(made.values), np.nan)
     minimum = slips["minimum_load"].to_numpy() if "minimum_load" in slips else unknown
-    static = made.minimum.scene.bearing.static_rating / made.requested.static_safety
+    scene = made.minimum.scene
+    static = scene.bearing.static_rating / made.requested.static_safety
+    if scene.bearing.contact_angle is not None:
+        static *= scene.operation.load / static_equivalent_load(scene)
     models = [model.name for model in life_models(made.life.scene)]
     life = np.vstack([unknown for _ in models])
     if "largest_load" in by_life:

@@ -31,6 +31,7 @@ from rollslip.studies.answers import (
     ResolutionChoice,
     RunContext,
 )
+from rollslip.studies.rating_life.equivalent_load import static_equivalent_load
 from rollslip.studies.rating_life.model import (
     REVOLUTIONS,
     LifeDuty,
@@ -176,7 +177,7 @@ class RatingLife(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the processor time [s] of the run and its check, from that of one load distribution."""
-        load = assembly.scene.operation.radial_load
+        load = assembly.scene.operation.load
         return {"run": _RUN_COST * processor_time(lambda: LifeDuty.of(assembly.at_load(load)), 1)}
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
@@ -380,12 +381,12 @@ class RatingLife(Study):
 def _limits(assembly: Assembly, duty: LifeDuty) -> list[str]:
     """Return where the standards do not hold at the operation of a scene, as sentences without full stops."""
     scene = assembly.scene
-    over_static = duty.radial_load / scene.bearing.static_rating
-    over_dynamic = duty.radial_load / duty.dynamic_rating
+    over_static = static_equivalent_load(scene) / scene.bearing.static_rating
+    over_dynamic = duty.equivalent_load / duty.dynamic_rating
     axial = (scene.operation.axial_load or 0.0) / max(duty.radial_load, 1e-300)
     conditions = {
         f"the axial load is {axial:.2g} of the radial one: above {_MAX_AXIAL_RATIO:g} makers add it to P, and edges of "
-        "ribs are not rated": axial > _MAX_AXIAL_RATIO,
+        "ribs are not rated": axial > _MAX_AXIAL_RATIO and scene.bearing.contact_angle is None,
         f"P is {over_static:.2f} C0: above {_MAX_LOAD_FRACTION:g} C0 raceways yield": over_static
         > _MAX_LOAD_FRACTION,
         f"P is {over_dynamic:.2g} C: below {_MIN_LOAD_RATIO:g} C rollers may slide, which a rating life leaves out": (

@@ -3,6 +3,11 @@
 import math
 from typing import TYPE_CHECKING, Final
 
+from rollslip.studies.rating_life.equivalent_load import (
+    dynamic_equivalent_load,
+    static_equivalent_load,
+)
+
 if TYPE_CHECKING:
     from rollslip.scene.values import Scene
 
@@ -19,7 +24,7 @@ _LOAD_EXPONENT: Final = 0.3
 
 
 def basic_life(scene: "Scene") -> float:
-    """Return the time that nine of ten bearings reach [s], (C/F_r)^(10/3) million revolutions.
+    """Return the time that nine of ten bearings reach [s], (C/P)^(10/3) million revolutions.
 
     It is infinite without load, and at rest.
 
@@ -30,7 +35,7 @@ def basic_life(scene: "Scene") -> float:
     """
     from rollslip.studies.rating_life.model import REVOLUTIONS, dynamic_rating
 
-    load = scene.operation.radial_load
+    load = dynamic_equivalent_load(scene)
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
     if load == 0.0 or speed == 0.0:
         return math.inf
@@ -42,8 +47,8 @@ def basic_life(scene: "Scene") -> float:
 def largest_load(scene: "Scene") -> dict[str, float | str]:
     """Return attributes of a result: the largest load with the default life and static safety [N], and which limits it.
 
-    P = C (1e6/N)^(3/10) with N revolutions of the rings relative to each other, at most C_0/1.5. There are none for a
-    tapered bearing, whose equivalent load takes factors of its catalogue.
+    P = C (1e6/N)^(3/10) with N revolutions of the rings relative to each other, and P0 at most C_0/1.5. The load is the
+    radial one, or the axial one where there is no radial load; of a tapered bearing both retain their ratio.
 
     Parameters
     ----------
@@ -52,12 +57,18 @@ def largest_load(scene: "Scene") -> dict[str, float | str]:
     """
     from rollslip.studies.rating_life.model import REVOLUTIONS, dynamic_rating
 
-    if scene.bearing.contact_angle is not None:
-        return {}
     speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
     revolutions = 3600.0 * HOURS * speed / (2.0 * math.pi)
-    static = scene.bearing.static_rating / STATIC_SAFETY
+    operation = scene.operation
+    # loads over the equivalent ones
+    dynamic_ratio = 1.0
+    static_ratio = 1.0
+    if scene.bearing.contact_angle is not None:
+        dynamic_ratio = operation.load / dynamic_equivalent_load(scene)
+        static_ratio = operation.load / static_equivalent_load(scene)
+    static = scene.bearing.static_rating / STATIC_SAFETY * static_ratio
     rating, _ = dynamic_rating(scene.bearing)
+    rating *= dynamic_ratio
     by_life = rating * (REVOLUTIONS / revolutions) ** _LOAD_EXPONENT if revolutions else math.inf
     limit = f"static rating over {STATIC_SAFETY:g}"
     if by_life < static:

@@ -25,7 +25,8 @@ from rollslip.geometry.bearing import Bearing
 from rollslip.references import CitedModel
 from rollslip.scene.values import Scene
 from rollslip.search import Array
-from rollslip.structure import Location, raise_problem_if
+from rollslip.structure import Location
+from rollslip.studies.rating_life.equivalent_load import equivalent_load
 
 __all__ = [
     "LIFE",
@@ -44,8 +45,9 @@ __all__ = [
 REVOLUTIONS: Final = 1e6
 #: Weibull slope of the fatigue of line contacts: lives of slices add up by it (ISO 281).
 WEIBULL_SLOPE: Final = 9.0 / 8.0
-#: Rating factor b_m of cylindrical roller bearings (ISO 281): the rating is proportional to it. Ratings that
-#: a maker prints for reinforced types are 5 to 9 % larger in the mean of a series.
+#: Rating factor b_m of cylindrical and of tapered roller bearings (ISO 281): the rating is proportional to it. Ratings
+#: that a maker prints for reinforced types are 5 to 9 % larger in the mean of a series; for 27 tapered bearings they
+#: are 6 % smaller in the mean.
 _RATING_FACTOR: Final = 1.1
 #: Source of a rating by this factor.
 _COMPUTED: Final = "ISO 281; makers print 5 to 9 % more for reinforced types"
@@ -75,16 +77,19 @@ def dynamic_rating(bearing: Bearing) -> tuple[float, str]:
     """Return the basic dynamic radial load rating C of one row of rollers [N], and its source.
 
     It is that of the catalogue, or after ISO 281, with lengths in mm and N,
-    C = 1.1 f_c L^(7/9) Z^(3/4) D^(29/27), gamma = D/d_pw, f_c = 207.9 0.83 gamma^(2/9) (1 - gamma)^(29/27)
-    (1 + gamma)^(-1/4) {1 + [1.04 ((1 - gamma)/(1 + gamma))^(143/108)]^(9/2)}^(-2/9).
+    C = 1.1 f_c (L cos a)^(7/9) Z^(3/4) D^(29/27), gamma = D cos a/d_pw,
+    f_c = 207.9 0.83 gamma^(2/9) (1 - gamma)^(29/27) (1 + gamma)^(-1/4)
+    {1 + [1.04 ((1 - gamma)/(1 + gamma))^(143/108)]^(9/2)}^(-2/9), with the contact angle a of the outer raceway of
+    tapered rollers.
     """
     if bearing.catalogue is not None and bearing.catalogue.dynamic_rating is not None:
         return bearing.catalogue.dynamic_rating, "the catalogue"
-    gamma = bearing.roller_diameter / bearing.pitch_diameter
+    cosine = math.cos(bearing.angles.outer)
+    gamma = bearing.roller_diameter * cosine / bearing.pitch_diameter
     ratio = 1.04 * ((1.0 - gamma) / (1.0 + gamma)) ** RATIO_EXPONENT
     geometry = gamma ** (2.0 / 9.0) * (1.0 - gamma) ** (29.0 / 27.0) * (1.0 + gamma) ** -0.25
     factor = 207.9 * REDUCTION * geometry * (1.0 + ratio**4.5) ** (-2.0 / 9.0)
-    length = (1e3 * bearing.roller_length) ** (7.0 / 9.0)
+    length = (1e3 * bearing.roller_length * cosine) ** (7.0 / 9.0)
     diameter = (1e3 * bearing.roller_diameter) ** (29.0 / 27.0)
     size = length * float(bearing.rollers) ** 0.75 * diameter
     return _RATING_FACTOR * factor * size, _COMPUTED
@@ -139,20 +144,18 @@ class LifeDuty:
     widths: Array  #: Widths of the slices [m], (n,), in their order along the roller.
     #: Whether the inner and the outer ring turn relative to the load.
     turning: tuple[bool, bool] = (True, False)
+    contact_angle: float = 0.0  #: Contact angle of the outer raceway of tapered rollers [rad].
+    axial_load: float = 0.0  #: F_a [N], which adds to the equivalent load of tapered rollers alone.
+
+    @property
+    def equivalent_load(self) -> float:
+        """Dynamic equivalent load P of ISO 281 [N]."""
+        return equivalent_load(self.contact_angle, self.radial_load, self.axial_load)
 
     @classmethod
     def of(cls, assembly: Assembly) -> "LifeDuty":
-        """Return the duty of an assembled bearing at its resolution; a `SceneError` for a tapered one.
-
-        The equivalent load of a tapered bearing takes both loads, with factors of its catalogue.
-        """
+        """Return the duty of an assembled bearing at its resolution."""
         bearing = assembly.scene.bearing
-        raise_problem_if(
-            bearing.contact_angle is not None,
-            Location(assembly.scene.origins, ("bearing", "contact_angle")).message(
-                "the rating life of a tapered bearing is not modelled"
-            ),
-        )
         operation = assembly.scene.operation
         loads = assembly.load_distribution(assembly.resolution.n_positions or 1)
         return cls(
@@ -165,6 +168,8 @@ class LifeDuty:
             load=np.stack((loads.inner_load, loads.outer_load)),
             widths=assembly.widths,
             turning=(operation.inner_speed != 0.0, operation.outer_speed != 0.0),
+            contact_angle=bearing.contact_angle or 0.0,
+            axial_load=operation.axial_load or 0.0,
         )
 
 
