@@ -14,8 +14,10 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import as_stated
 from rollslip.results.accounts import account_of
 from rollslip.results.text import describe_case
+from rollslip.results.verdict import Fact
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.relations import required_axial_load
+from rollslip.studies.rating_life.model import dynamic_rating
 from rollslip_studies.motion.losses import power_balance
 from rollslip_studies.motion.pockets import reason_without_play
 from rollslip_studies.motion.torque_balance import TorqueBalance
@@ -127,7 +129,7 @@ def test_search_for_a_load_ends_where_the_rings_are_held() -> None:
 
 
 @pytest.mark.slow
-def test_answer_has_no_rows_of_cylindrical_bearings() -> None:
+def test_answer_has_rows_of_tapered_bearings() -> None:
     coarse = {
         "accuracy.slices": 9,
         "study.steady-slip.points": 9,
@@ -137,7 +139,25 @@ def test_answer_has_no_rows_of_cylindrical_bearings() -> None:
     answer = account_of(result).answer(result)
     rows = {row.key: row for row in answer.rows}
     assert "6 kN axial" in describe_case(result)
-    assert not {"clearance", "makers_minimum_load", "largest_load"} & rows.keys()
+    assert not {"clearance", "makers_minimum_load"} & rows.keys()
+    # ISO 281, pure axial load: P = 0.4 cot(a) F_a
+    life = (rows["largest_load"].value * 0.4 / math.tan(SCENE.bearing.contact_angle)) ** (-10 / 3)
+    rating, _ = dynamic_rating(SCENE.bearing)
+    assert 1e6 * rating ** (10 / 3) * life == pytest.approx(20_000 * 60 * 2000.0)
+    # Q_o = Q_i + F_c/cos(a) along the normals, and the rib bears what both push along the axis of the roller
+    assembly = assemble(SCENE)
+    angles = SCENE.bearing.angles
+    outer = 6000.0 / (16 * math.sin(angles.outer))
+    centrifugal = assembly.centrifugal_force
+    inner = outer - centrifugal / math.cos(angles.outer)
+    rib = (inner + outer) * math.sin(angles.half) + centrifugal * math.sin(angles.middle)
+    assert result["rib_force"].values == pytest.approx(rib, rel=2e-3)
+    row = rows["axial_load"]
+    assert (row.value, row.is_alarm) == (6000.0, False)
+    assert rib == pytest.approx(105, abs=0.5)
+    assert required_axial_load(SCENE) == pytest.approx(70, abs=0.5)
+    assert "up to 110 N on each; rings hold together from 70 N" in row.note
+    assert Fact.AXIAL_RATIO not in answer.facts or not answer.facts[Fact.AXIAL_RATIO]
     assert rows["minimum_load"].note.endswith("for a slip below 5 %, axial")
     assert 300.0 < rows["minimum_load"].value < 2000.0
     assert "formula_torque" not in result

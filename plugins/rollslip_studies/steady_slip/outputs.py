@@ -88,11 +88,11 @@ PLAY_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 #: Variables of a bearing under axial load, by name.
 AXIAL_OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "rib_force": Output("steady angle", "N", "force of each of both ribs of a roller"),
+        "rib_force": Output("steady angle", "N", "force of each rib of a roller"),
         "rib_pressure": Output("steady", "Pa", "largest pressure on a rib after Hertz"),
         "rib_contact_radius": Output("steady", "m", "largest radius of a contact circle on a rib"),
         "rib_height": Output("", "m", "height of the contacts above the raceways"),
-        "axial_limit": Output("axial_rule", "N", "largest axial load by a rule of makers"),
+        "axial_limit": Output("axial_rule", "N", "largest axial load by a rule, or smallest"),
     }
 )
 #: Viscosity ratio kappa.

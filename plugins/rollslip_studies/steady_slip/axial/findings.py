@@ -14,16 +14,23 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Rule of the axial load of a tapered bearing: the smallest, which holds its rings together.
+HOLDING: Final = "rings hold together from"
 #: End of the names of losses by ribs.
 _RIB: Final = " rib"
 
 
 def axial_load_of(dataset: "xr.Dataset") -> tuple[float, float]:
-    """Return the axial load of a result [N], 0 without one, and its ratio to the radial load, infinite without that."""
+    """Return the axial load of a result [N], 0 without one, and its ratio to the radial load, infinite without that.
+
+    The axial load of a tapered bearing is not judged by this ratio, and has 0.
+    """
     if "rib_force" not in dataset:
         return 0.0, 0.0
     operation = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {})
     axial = float(operation.get("axial_load", 0.0))
+    if HOLDING in dataset["axial_rule"]:
+        return axial, 0.0
     radial = float(operation.get("radial_load", math.nan))
     return axial, axial / radial if radial > 0.0 else math.inf
 
@@ -61,7 +68,7 @@ def describe_load(scene: Mapping[str, Any], *, is_unlimited: bool) -> str:
 
 
 def axial_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
-    """Return the row of the axial load with makers' limits and the heat of the ribs; None without such a load.
+    """Return the row of the axial load with its limits and the heat of the ribs; None without such a load.
 
     Parameters
     ----------
@@ -80,12 +87,15 @@ def axial_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
             strict=True,
         )
     )
-    exceeded = [rule for rule, limit in limits.items() if load > limit]
+    exceeded = [rule for rule, limit in limits.items() if load > limit and rule != HOLDING]
     largest = max(limits.values())
     sizes = ", ".join(
         f"{rule} {format_force(limit, largest, unit=False)}" for rule, limit in limits.items()
     )
     notes = [f"{sizes} {force_unit(largest)[0]}"]
+    if HOLDING in limits:
+        force = float(state["rib_force"].max())
+        notes.insert(0, f"up to {format_force(force, force)} on each")
     if exceeded:
         notes.insert(0, f"above {' and '.join(exceeded)}")
     if _touches_edge(state):

@@ -1,4 +1,8 @@
-"""Axial load on ribs: forces, pressures and contact circles of ribs, and the largest axial loads of makers."""
+"""Axial load on ribs: forces, pressures and contact circles of ribs, and the largest axial loads of makers.
+
+Makers print no such load of tapered bearings, whose ribs bear a component of the roller loads. They have the smallest,
+with which their rings hold together.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -8,8 +12,10 @@ from typing import Any, Final
 import numpy as np
 
 from rollslip.results.dataset import about
+from rollslip.scene.relations import required_axial_load
 from rollslip.scene.values import Scene
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
+from rollslip_studies.steady_slip.axial.findings import HOLDING
 from rollslip_studies.steady_slip.outputs import AXIAL_OUTPUTS
 
 __all__ = ["AXIAL_RULES", "axial_variables"]
@@ -68,21 +74,24 @@ def axial_variables(
     """
     assembly = balance.assembly
     ribs = assembly.ribs
-    if ribs is None or assembly.scene.bearing.contact_angle is not None:
+    if ribs is None:
         return {}, {}
+    axial_rules = AXIAL_RULES
+    if assembly.scene.bearing.contact_angle is not None:
+        axial_rules = {HOLDING: required_axial_load}
     slips = [state.cage_slip for state in (states if steady else states[:1])]
     force = np.array([balance.motions.loads(np.array([slip]))[2] for slip in slips])
     if not steady:
         force[:] = np.nan
     largest = force.max(axis=1)
-    radii = [ribs.contact_radius(largest, ring) for ring in range(2)]
+    radii = [ribs.contact_radius(largest, ring) for ring in range(2) if ribs.sides[ring]]
     values = {
         "rib_force": force,
         "rib_pressure": 1.5 * largest / (np.pi * np.min(radii, axis=0) ** 2),
         "rib_contact_radius": np.max(radii, axis=0),
-        "rib_height": ribs.height,
-        "axial_limit": np.array([rule(assembly.scene) for rule in AXIAL_RULES.values()]),
+        "rib_height": ribs.contact_height,
+        "axial_limit": np.array([rule(assembly.scene) for rule in axial_rules.values()]),
     }
     variables = {name: AXIAL_OUTPUTS[name].variable(value) for name, value in values.items()}
-    rules = "axial_rule", list(AXIAL_RULES), about("1", "rule for the largest axial load")
+    rules = "axial_rule", list(axial_rules), about("1", "rule for the axial load")
     return variables, {"axial_rule": rules}
