@@ -13,8 +13,10 @@ from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equi
 from rollslip.bearing.ribs import RibPair
 from rollslip.errors import SceneError
 from rollslip.models.profile import profile_drop, slice_positions
+from rollslip.results.text import load_settings
 from rollslip_kernels.slices import Conditions
 from rollslip_plugins.contact import Palmgren
+from rollslip_studies.motion.torque_balance import torque_balance
 
 pytestmark = pytest.mark.quick
 
@@ -228,6 +230,44 @@ def test_mirror_images_have_mirrored_loads():
         assert found == pytest.approx(
             getattr(whole, name), rel=1e-9, abs=1e-9 * np.abs(found).max()
         )
+
+
+def test_a_load_on_the_other_ribs_is_that_of_the_bearing_in_a_mirror():
+    """Ends of the rollers and the tilt of the ring are exchanged; the forces are computed anew from the geometry."""
+    drop = case().drop + np.linspace(0.0, 2e-6, case().drop.size)
+    given = case(misalignment=4e-4, drop=drop)
+    image = attrs.evolve(given, misalignment=-4e-4, drop=drop[::-1], axial_load=-given.axial_load)
+    law = contacts(given.roller_length)
+    solved = solve_equilibrium(given, law)
+    other = solve_equilibrium(image, law)
+    assert other.rib_force == pytest.approx(solved.rib_force, rel=1e-8)
+    assert other.inner_load[..., ::-1] == pytest.approx(solved.inner_load, rel=1e-8, abs=1e-4)
+    assert other.roller_tilt == pytest.approx(-solved.roller_tilt, rel=1e-7, abs=1e-12)
+    assert other.axial_displacement == pytest.approx(-solved.axial_displacement, rel=1e-9)
+    assert other.moment == pytest.approx(-solved.moment, rel=1e-8)
+
+
+def test_both_senses_of_an_axial_load_have_the_same_slip():
+    scene = evolve(GEARBOX, {"bearing.name": "NUP 2312 ECP", "operation.axial_load": "0.3 kN"})
+    other = evolve(scene, {"operation.axial_load": "-0.3 kN"})
+    positions = [assemble(each).load_distribution(2) for each in (scene, other)]
+    assert positions[1].rib_force == pytest.approx(positions[0].rib_force, rel=1e-9)
+    assert float(positions[0].roller_tilt.max()) == pytest.approx(-positions[1].roller_tilt.min())
+    slips = np.array([0.0, 0.02])
+    torques = [torque_balance(assemble(each), 2).torques(slips) for each in (scene, other)]
+    assert torques[1] == pytest.approx(torques[0], rel=1e-9)
+    pure = evolve(other, {"operation.radial_load": "0 N"}).operation
+    assert pure.load == 300.0
+    assert pure.with_load(200.0).axial_load == -200.0
+    assert load_settings({"radial_load": 1500.0, "axial_load": -300.0}, 3000.0).endswith(
+        "--set operation.axial_load='-600 N'"
+    )
+
+
+@pytest.mark.parametrize("name", ["NJ 2312 ECP", "nj2312"])
+def test_an_nj_carries_an_axial_load_one_way(name):
+    with pytest.raises(SceneError, match="the second bearing of the pair carries it: write 0"):
+        evolve(GEARBOX, {"bearing.name": name, "operation.axial_load": "-0.3 kN"})
 
 
 def test_without_axial_load_the_loads_are_those_of_a_radial_bearing():

@@ -20,7 +20,7 @@ from rollslip.scene.interchange import Json, read_foreign, write_foreign
 from rollslip.studies.rating_life.largest_load import basic_life
 from rollslip.studies.rating_life.model import dynamic_rating
 from rollslip_campaigns.cases import CaseSettings
-from rollslip_campaigns.cases.cases import plan_cases
+from rollslip_campaigns.cases.cases import _values, plan_cases
 from rollslip_campaigns.cases.figures import draw_cases
 from rollslip_campaigns.cases.findings import (
     life_of_spectrum,
@@ -357,3 +357,10 @@ def test_a_file_of_another_program_may_have_load_cases(tmp_path, monkeypatch):
     rows[2][1][0] = "high"
     with pytest.raises(SceneError, match=r"case 2: .*radial_load: 'high' is not a number alone"):
         plan_cases(CaseSettings(SCATTERED, file))
+
+
+def test_heat_is_that_of_all_sources_where_cases_have_others():
+    """A case without axial load has no ribs; one that was not computed has no heat."""
+    loss = [[[3.0, 1.0, np.nan]], [[3.0, 1.0, 0.5]], [[np.nan] * 3]]
+    found = xarray.Dataset({"loss": (("case", "steady", "source_index"), loss)})
+    assert _values(found)["heat"].to_numpy() == pytest.approx([4.0, 4.5, np.nan], nan_ok=True)

@@ -142,7 +142,8 @@ class LoadCase:
     contact_angle: float = 0.0
     #: Half angle of tapered rollers [rad].
     half_angle: float = 0.0
-    #: Axial load F_a on the inner ring [N], not negative; cylindrical rollers need `ribs` with it and several slices.
+    #: Axial load F_a on the inner ring [N], not below 0 for tapered rollers. Of cylindrical ones it is below 0 against
+    #: the positions along the rollers, where the other ribs bear it; they need `ribs` and several slices.
     axial_load: float = 0.0
     #: Ribs that carry the axial load of cylindrical rollers; None without axial load.
     ribs: RibPair | None = None
@@ -158,6 +159,8 @@ class LoadCase:
             raise ValueError(f"roller_length is {self.roller_length} m: it must be positive")
         for name in ("radial_load", "centrifugal_force", "axial_load"):
             value = np.asarray(getattr(self, name))
+            if name == "axial_load" and self.ribs is not None:
+                value = abs(value)
             if not np.all((value >= 0.0) & (value < np.inf)):
                 raise ValueError(f"{name} is {getattr(self, name)} N: it must be zero or positive")
         if (shape := np.shape(self.centrifugal_force)) not in ((), self.psi.shape[:1]):
@@ -180,7 +183,7 @@ class LoadCase:
         self._check_ribs()
 
     def _check_ribs(self) -> None:
-        if self.contact_angle == 0.0 and (self.ribs is not None) != (self.axial_load > 0.0):
+        if self.contact_angle == 0.0 and (self.ribs is not None) != (self.axial_load != 0.0):
             raise ValueError(
                 f"axial_load is {self.axial_load} N: ribs carry it, and are given with such a load alone"
             )
@@ -368,18 +371,22 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         reach = rings.reach(case.radial_load) + float(np.abs(form).max())
     slices = case.drop.size
     half_length = 0.5 * case.roller_length
+    side = np.copysign(1.0, case.axial_load)
+    has_axial_load = case.axial_load != 0.0
     rib_arguments: dict[str, Any] = {}
     if (ribs := case.ribs) is not None:
         # the axial displacement is the third unknown of the rings, which the slices do not feel
         direction, stops = (np.insert(values, 2, 0.0, axis=-1) for values in (direction, stops))
-        applied = np.insert(applied, 2, case.axial_load)
+        # the other ribs are these ones in a mirror
+        applied = np.insert(applied, 2, abs(case.axial_load))
         ring_stiffness = np.insert(ring_stiffness, 2, 0.0)
         split += 1
         lever = 2.0 * ribs.spin_radius / half_length
+        rib_radius = side * ribs.ring_radii[0]
         reach = (1.0 + lever) * (reach + abs(case.radial_clearance) + float(np.ptp(case.drop)))
         rib_arguments = {
-            "ribs": (ribs.compliance, lever),
-            "rib_lead": case.misalignment * ribs.ring_radii[0] * np.cos(case.psi),
+            "ribs": (ribs.compliance, side * lever),
+            "rib_lead": case.misalignment * rib_radius * np.cos(case.psi),
         }
     # of a symmetric roller that does not tilt, the half with x >= 0 is computed for both
     mirrored = (
@@ -459,7 +466,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         )
     moment = balance["moment"]
     if ribs is not None:
-        moment -= ribs.ring_radii[0] * (balance["rib"] * np.cos(case.psi)).sum(axis=1)
+        moment -= rib_radius * (balance["rib"] * np.cos(case.psi)).sum(axis=1)
     inner_load, outer_load = balance["load"]
     inner_force, outer_force = balance["force"]
     return LoadDistribution(
@@ -470,12 +477,12 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         inner_force=inner_force,
         outer_force=outer_force,
         displacement=balance["ring"][:, :2].copy(),
-        deflection=balance["ring"][:, 2 + (case.axial_load > 0.0) :].copy(),
+        deflection=balance["ring"][:, 2 + has_axial_load :].copy(),
         roller_shift=balance["shift"],
         roller_tilt=balance["tip"] / half_length,
         moment=moment,
         rib_force=balance["rib"] + case.tapered_rib_force(inner_force, outer_force),
-        axial_displacement=balance["ring"][:, 2 : 2 + (case.axial_load > 0.0)].sum(axis=1),
+        axial_displacement=side * balance["ring"][:, 2 : 2 + has_axial_load].sum(axis=1),
         force_residual=force_residual,
         moment_residual=moment_residual,
         iterations=iterations,

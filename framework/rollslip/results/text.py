@@ -550,7 +550,7 @@ def format_power(watts: float) -> str:
 
 def force_unit(load: float) -> tuple[str, float]:
     """Return the unit in which a load is printed, and the factor from newton to that unit."""
-    return ("kN", 1e-3) if load >= 500.0 else ("N", 1.0)
+    return ("kN", 1e-3) if abs(load) >= 500.0 else ("N", 1.0)
 
 
 def format_plain(value: float) -> str:
@@ -559,16 +559,16 @@ def format_plain(value: float) -> str:
 
 
 def format_rounded_up(load: float, unit: str = "N") -> str:
-    """Return a load rounded up to two digits.
+    """Return a load rounded up to two digits, away from 0.
 
     Parameters
     ----------
     load : float
-        The load [N], positive.
+        The load [N], not 0.
     unit : {"N", "kN"}
         Unit of the text.
     """
-    size = 10.0 ** (math.floor(math.log10(load)) - 1)
+    size = math.copysign(10.0 ** (math.floor(math.log10(abs(load))) - 1), load)
     return f"{format_plain(math.ceil(load / size) * size * (1e-3 if unit == 'kN' else 1.0))} {unit}"
 
 
@@ -683,7 +683,7 @@ def describe_case(dataset: "xr.Dataset") -> tuple[str, ...]:
 
 def stated_load(operation: Mapping[str, Any]) -> float:
     """Return the radial load of a resolved operation, or the axial one where there is no radial load [N]."""
-    return float(operation.get("radial_load", math.nan) or operation.get("axial_load") or 0.0)
+    return abs(float(operation.get("radial_load", math.nan) or operation.get("axial_load") or 0.0))
 
 
 def load_settings(operation: Mapping[str, Any], load: float) -> str:

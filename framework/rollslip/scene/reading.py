@@ -188,7 +188,7 @@ def checked_scene(
             scene, bearing=with_operating_clearance(scene, complete, Location(origins), problems)
         )
         problems += impossible_relations(scene, complete, Location(origins))
-        problems += unsupported_axial_load(scene, Location(origins))
+        problems += unsupported_axial_load(scene, raw, Location(origins))
         if scene.bearing.contact_angle is not None:
             problems += tapered_problems(scene, Location(origins))
     if scene is None or problems:

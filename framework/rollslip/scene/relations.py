@@ -7,6 +7,7 @@
 """
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from numbers import Real
@@ -382,7 +383,7 @@ RELATIONS: Final = (
         "operation",
         "axial_load",
         lambda scene: (
-            (scene.operation.axial_load or 0.0) / (scene.operation.radial_load or math.nan)
+            abs(scene.operation.axial_load or 0.0) / (scene.operation.radial_load or math.nan)
             if scene.bearing.contact_angle is None
             else math.nan
         ),
@@ -466,23 +467,35 @@ def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Locatio
     ]
 
 
-def unsupported_axial_load(scene: Scene, where: Location) -> list[str]:
+def unsupported_axial_load(scene: Scene, raw: Mapping[str, Any], where: Location) -> list[str]:
     """Return a message where the bearing has nothing that carries the axial load of the scene.
 
     Parameters
     ----------
     scene : Scene
         The scene.
+    raw : mapping
+        Its tables as they are written, with the name of the bearing.
     where : Location
         Location of the scene, for messages.
     """
-    if not scene.operation.axial_load or scene.bearing.carries_axial_load:
+    load = scene.operation.axial_load
+    if not load:
         return []
-    load = format_quantity(scene.operation.axial_load, "N")
-    text = (
-        f"nothing in this bearing carries {load} along its axis: types NU, N, RNU and needle roller bearings have no "
-        "ribs on opposite sides of both rings; take a type NJ or NUP, state bearing.ribs, or leave it out"
-    )
+    name = str(raw["bearing"].get("name", ""))
+    if load < 0.0 and re.search(r"\bNJ", name, re.IGNORECASE):
+        text = (
+            f"{name} carries an axial load one way alone, that of a load above 0. The other way the second bearing of "
+            "the pair carries it: write 0 for this one there, or take a type NUP, which carries both"
+        )
+    elif scene.bearing.carries_axial_load:
+        return []
+    else:
+        text = (
+            f"nothing in this bearing carries {format_quantity(load, 'N')} along its axis: types NU, N, RNU and needle "
+            "roller bearings have no ribs on opposite sides of both rings; take a type NJ or NUP, state bearing.ribs, "
+            "or leave it out"
+        )
     return [where.at("operation").at("axial_load").message(text)]
 
 

@@ -119,10 +119,9 @@ class Operation:
     axial_load: float | None = field(
         default=None,
         unit="N",
-        doc="axial load on the inner ring, towards what carries it; by default none",
-        validator=attrs.validators.optional(non_negative),
-        usual=(0, 1e7),
-        possible=(0, 1e9),
+        doc="axial load on the inner ring, towards what carries it, below 0 the other way; by default none",
+        usual=(-1e7, 1e7),
+        possible=(-1e9, 1e9),
     )
     temperature: float = _temperature("all parts that have none of their own", attrs.NOTHING)
     inner_ring_temperature: float = _temperature("the inner ring")
@@ -150,14 +149,14 @@ class Operation:
     @property
     def load(self) -> float:
         """Radial load, or the axial one where there is no radial load [N]: what searches for a load vary."""
-        return self.radial_load or self.axial_load or 0.0
+        return self.radial_load or abs(self.axial_load or 0.0)
 
     def with_load(self, load: float) -> Self:
         """Return the same operation under another `load` [N]; radial and axial load have the same ratio as before."""
         if self.axial_load is None:
             return attrs.evolve(self, radial_load=load)
         if self.radial_load == 0.0:
-            return attrs.evolve(self, axial_load=load)
+            return attrs.evolve(self, axial_load=math.copysign(load, self.axial_load))
         axial = self.axial_load * (load / self.radial_load)
         return attrs.evolve(self, radial_load=load, axial_load=axial)
 

@@ -249,7 +249,7 @@ def assembly_rib_friction(assembly: Assembly) -> "RibFriction | None":
         return None
     from rollslip_studies.motion.rib_friction import rib_friction  # only axial loads need it
 
-    load = assembly.scene.operation.axial_load or 0.0
+    load = abs(assembly.scene.operation.axial_load or 0.0)
     return rib_friction(assembly.rib, pair, assembly.rib_conditions, assembly.kinematics, load)
 
 

@@ -383,7 +383,7 @@ def _limits(assembly: Assembly, duty: LifeDuty) -> list[str]:
     scene = assembly.scene
     over_static = static_equivalent_load(scene) / scene.bearing.static_rating
     over_dynamic = duty.equivalent_load / duty.dynamic_rating
-    axial = (scene.operation.axial_load or 0.0) / max(duty.radial_load, 1e-300)
+    axial = abs(scene.operation.axial_load or 0.0) / max(duty.radial_load, 1e-300)
     conditions = {
         f"the axial load is {axial:.2g} of the radial one: above {_MAX_AXIAL_RATIO:g} makers add it to P, and edges of "
         "ribs are not rated": axial > _MAX_AXIAL_RATIO and scene.bearing.contact_angle is None,

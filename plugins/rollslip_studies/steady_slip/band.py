@@ -566,7 +566,7 @@ def _load_search(nominal: Assembly, slip: float) -> _Factor | None:
     The search begins at the radial load, or at the axial one where ribs alone are loaded; without load there is none.
     """
     operation = nominal.scene.operation
-    if not (start_load := operation.radial_load or operation.axial_load or 0.0) > 0.0:
+    if not (start_load := operation.load) > 0.0:
         return None
     nominal_balance = torque_balance(nominal, n_positions=1, inertia=False)
 

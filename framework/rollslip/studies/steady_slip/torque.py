@@ -120,7 +120,7 @@ class Duty:
             roller_diameter=bearing.roller_diameter,
             supply=assembly.scene.lubrication.supply,
             oil_level=assembly.scene.lubrication.oil_level,
-            axial_load=operation.axial_load or 0.0,
+            axial_load=abs(operation.axial_load or 0.0),
             pitch_diameter=bearing.pitch_diameter,
             radial_load=conditions.get("radial_load", operation.radial_load),
             speed=conditions.get("speed", abs(operation.inner_speed - operation.outer_speed)),

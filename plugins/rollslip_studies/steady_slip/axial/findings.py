@@ -28,7 +28,7 @@ def axial_load_of(dataset: "xr.Dataset") -> tuple[float, float]:
     if "rib_force" not in dataset:
         return 0.0, 0.0
     operation = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {})
-    axial = float(operation.get("axial_load", 0.0))
+    axial = abs(float(operation.get("axial_load", 0.0)))
     if HOLDING in dataset["axial_rule"]:
         return axial, 0.0
     radial = float(operation.get("radial_load", math.nan))
