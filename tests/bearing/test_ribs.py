@@ -252,7 +252,6 @@ def test_both_senses_of_an_axial_load_have_the_same_slip():
     other = evolve(scene, {"operation.axial_load": "-0.3 kN"})
     positions = [assemble(each).load_distribution(2) for each in (scene, other)]
     assert positions[1].rib_force == pytest.approx(positions[0].rib_force, rel=1e-9)
-    assert float(positions[0].roller_tilt.max()) == pytest.approx(-positions[1].roller_tilt.min())
     slips = np.array([0.0, 0.02])
     torques = [torque_balance(assemble(each), 2).torques(slips) for each in (scene, other)]
     assert torques[1] == pytest.approx(torques[0], rel=1e-9)

@@ -157,10 +157,8 @@ class LoadCase:
             raise ValueError(f"drop must be finite and of shape (slices,), not {self.drop.shape}")
         if not 0.0 < self.roller_length < np.inf:
             raise ValueError(f"roller_length is {self.roller_length} m: it must be positive")
-        for name in ("radial_load", "centrifugal_force", "axial_load"):
+        for name in ("radial_load", "centrifugal_force"):
             value = np.asarray(getattr(self, name))
-            if name == "axial_load" and self.ribs is not None:
-                value = abs(value)
             if not np.all((value >= 0.0) & (value < np.inf)):
                 raise ValueError(f"{name} is {getattr(self, name)} N: it must be zero or positive")
         if (shape := np.shape(self.centrifugal_force)) not in ((), self.psi.shape[:1]):
@@ -186,6 +184,10 @@ class LoadCase:
         if self.contact_angle == 0.0 and (self.ribs is not None) != (self.axial_load != 0.0):
             raise ValueError(
                 f"axial_load is {self.axial_load} N: ribs carry it, and are given with such a load alone"
+            )
+        if not (0.0 if self.ribs is None else -np.inf) <= self.axial_load < np.inf:
+            raise ValueError(
+                f"axial_load is {self.axial_load} N: it must be zero or positive without ribs"
             )
         if self.ribs is not None and self.drop.size == 1:
             raise ValueError("ribs tilt the rollers: use more than one slice")

@@ -50,7 +50,7 @@ _MIN_FILM_SPEED: Final = 1e-3
 
 def _cubic_weights(at: Array, n: int) -> tuple[NDArray[np.intp], Array]:
     """Return the first of four of n grid points (m,), and their weights (m, 4), at abscissae in steps of the grid."""
-    first = np.clip(np.floor(at).astype(np.intp) - 1, 0, n - 4)
+    first = np.minimum(np.maximum(at.astype(np.intp) - 1, 0), n - 4)
     t = at - first
     weights = (
         (t - 1.0) * (t - 2.0) * (t - 3.0) / -6.0,

@@ -377,6 +377,7 @@ class Motions:
         self._rollers = assembly.scene.bearing.rollers
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._last: tuple[bytes, list[LoadedContacts], Array] = b"", [], np.zeros(0)
+        self._rib_arguments: tuple[Array, RibArguments] | None = None
         # mean and largest roller slip without cage slip; the search for it needs all of the above, and none of both
         self._idle_slip, self._max_idle_slip = self._find_idle_slips(similar)
 
@@ -514,10 +515,17 @@ class Motions:
             pocket=self.pocket,
             tables=self._tables[n_loads is None],
             brakes=None if brakes is None else brakes.ravel(),
-            ribs=None if self.ribs is None else self.ribs.arguments(slips, self._last[2]),
+            ribs=None if self.ribs is None else self._last_ribs(self.ribs, slips),
         )
         spins.kernel.set_leads(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
+
+    def _last_ribs(self, ribs: "RibFriction", slips: Array) -> "RibArguments":
+        """Friction of the ribs at the last cage slips, as compiled spins take it."""
+        force = self._last[2]
+        if self._rib_arguments is None or self._rib_arguments[0] is not force:
+            self._rib_arguments = force, ribs.arguments(slips, force)
+        return self._rib_arguments[1]
 
     # The march --------------------------------------------------------------------------------------------------------
 
