@@ -6,6 +6,7 @@ import io
 import json
 import lzma
 import math
+import re
 import shutil
 import subprocess
 import zipfile
@@ -36,6 +37,7 @@ from rollslip_campaigns.surrogate.stiffness import N_POSITIONS
 from rollslip_campaigns.surrogate.tables import Axis, Tables, weights
 from rollslip_studies.raceway_friction.study import RacewayFriction
 from small_forces import by_differences
+from tabled import TABLES, rows_of
 
 #: Every drag that acts by default.
 SCENE = evolve(rollslip.load_scene("gearbox"), {"accuracy.slices": 7})
@@ -443,6 +445,27 @@ def test_the_file_of_c_moves_as_the_fmu_does(driver, fmpy, fmu):
         speeds[-1]
         == fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=1e-3)["cage_speed"][-1]
     )
+
+
+def test_the_fmu_of_the_page_has_the_version_and_the_error_that_are_stated_there():
+    docs = Path(__file__).parents[2] / "docs"
+    page = " ".join((docs / "howto" / "surrogate.rst").read_text(encoding="utf-8").split())
+    with zipfile.ZipFile(docs / "examples" / "gearbox.fmu") as archive:
+        described = archive.read("modelDescription.xml").decode()
+        version = re.search('generationTool="(.*?)"', described)[1]
+        error = re.search("friction within (.*?) of", described)[1]
+        assert f"by {version}, with a table error of {error}" in page
+        for name in ("bearing.c", "fmi2.c"):
+            # otherwise: python docs/scripts/fmu_hosts.py --export
+            assert archive.read(f"sources/{name}") == (
+                Path(made_by.__file__).with_name(name).read_bytes()
+            )
+    rows = rows_of(TABLES / "fmu_hosts.csv")
+    for row in rows:
+        torque = float(row["torque of the FMU, N m"])
+        assert torque == pytest.approx(float(row["of rollslip run, N m"]), rel=0.01)
+        assert float(row["largest difference between hosts"]) < 1e-10
+    assert len(rows) == 5
 
 
 @needs_compiler
