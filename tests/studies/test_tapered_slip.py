@@ -155,7 +155,7 @@ def test_answer_has_rows_of_tapered_bearings() -> None:
     row = rows["axial_load"]
     assert (row.value, row.is_alarm) == (6000.0, False)
     assert required_axial_load(SCENE) == pytest.approx(70, abs=0.5)
-    assert "up to 110 N on each; rings hold together from 70 N" in row.note
+    assert "up to 110 N on each; rings part below 70 N" in row.note
     assert Fact.AXIAL_RATIO not in answer.facts or not answer.facts[Fact.AXIAL_RATIO]
     assert rows["minimum_load"].note.endswith("for a slip below 5 %, axial")
     assert 300.0 < rows["minimum_load"].value < 2000.0

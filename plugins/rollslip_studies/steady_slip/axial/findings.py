@@ -14,8 +14,8 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Rule of the axial load of a tapered bearing: the smallest, which holds its rings together.
-HOLDING: Final = "rings hold together from"
+#: Rule of the axial load of a tapered bearing: the smallest, below which its rings part.
+PARTING: Final = "rings part below"
 #: End of the names of losses by ribs.
 _RIB: Final = " rib"
 
@@ -29,7 +29,7 @@ def axial_load_of(dataset: "xr.Dataset") -> tuple[float, float]:
         return 0.0, 0.0
     operation = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("operation", {})
     axial = abs(float(operation.get("axial_load", 0.0)))
-    if HOLDING in dataset["axial_rule"]:
+    if PARTING in dataset["axial_rule"]:
         return axial, 0.0
     radial = float(operation.get("radial_load", math.nan))
     return axial, axial / radial if radial > 0.0 else math.inf
@@ -62,9 +62,7 @@ def describe_load(scene: Mapping[str, Any], *, is_unlimited: bool) -> str:
         return ", axial"
     # with little load the centrifugal forces of tapered rollers part the rings
     may_part = is_unlimited and "contact_angle" in scene["bearing"]
-    return (
-        ", radial, at this ratio to the axial one" + ", if they hold the rings together" * may_part
-    )
+    return ", radial, at this F_a/F_r" + ", if they hold the rings together" * may_part
 
 
 def axial_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
@@ -87,13 +85,13 @@ def axial_row(dataset: "xr.Dataset", state: "xr.Dataset") -> Row | None:
             strict=True,
         )
     )
-    exceeded = [rule for rule, limit in limits.items() if load > limit and rule != HOLDING]
+    exceeded = [rule for rule, limit in limits.items() if load > limit and rule != PARTING]
     largest = max(limits.values())
     sizes = ", ".join(
         f"{rule} {format_force(limit, largest, unit=False)}" for rule, limit in limits.items()
     )
     notes = [f"{sizes} {force_unit(largest)[0]}"]
-    if HOLDING in limits:
+    if PARTING in limits:
         force = float(state["rib_force"].max())
         notes.insert(0, f"up to {format_force(force, force)} on each")
     if exceeded:

@@ -15,7 +15,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.relations import required_axial_load
 from rollslip.scene.values import Scene
 from rollslip_studies.motion.torque_balance import Orbit, TorqueBalance
-from rollslip_studies.steady_slip.axial.findings import HOLDING
+from rollslip_studies.steady_slip.axial.findings import PARTING
 from rollslip_studies.steady_slip.outputs import AXIAL_OUTPUTS
 
 __all__ = ["AXIAL_RULES", "axial_variables"]
@@ -78,7 +78,7 @@ def axial_variables(
         return {}, {}
     axial_rules = AXIAL_RULES
     if assembly.scene.bearing.contact_angle is not None:
-        axial_rules = {HOLDING: required_axial_load}
+        axial_rules = {PARTING: required_axial_load}
     slips = [state.cage_slip for state in (states if steady else states[:1])]
     force = np.array([balance.motions.loads(np.array([slip]))[2] for slip in slips])
     if not steady:
