@@ -124,7 +124,7 @@ def test_every_rule_has_a_threshold_above_and_a_source():
 @pytest.mark.parametrize(
     ("facts", "verdict", "words"),
     [
-        ({"band": None}, "UNKNOWN", "V7: whether it slips is not known: no high end of the band"),
+        ({"band": None}, "UNKNOWN", "V7: whether it may slip more is not known: no high end of the band"),
         ({"reserve": None}, "UNKNOWN", "V1: whether it skids is not known: no reserve to skidding"),
         ({"reserve": (1.2, math.inf)}, "UNKNOWN", "V4: below 1.5, may skid"),
         ({"reserve": (0.9, 1.1)}, "UNKNOWN",

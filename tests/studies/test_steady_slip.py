@@ -1055,6 +1055,8 @@ def test_without_drag_no_load_is_needed():
     assert np.isnan(found.minimum_load)
     off = "every drag is switched off by cage.drag = [], as in no bearing"
     assert str(found.minimum_load_status.item()) == f"no load is needed: {off}"
+    (row,) = (row for row in SteadySlipAccount.answer(found).rows if row.key == "cage_slip")
+    assert (row.value, row.band) == (0.0, (0.0, 0.0))
 
 
 def test_makers_rules_differ_as_they_are_said_to():

@@ -168,7 +168,9 @@ def decide(facts: Mapping[Fact, Interval]) -> tuple[Rule, Verdict, str]:
             fact for fact, *_ in rule.conditions if math.isnan(facts.get(fact, _NOT_KNOWN)[0])
         ]
         if state is None and missing:
-            remark = f"whether it {rule.verdict.lower()} is not known: no {' and '.join(missing)}"
+            # a rule for SLIPS decides here where the slip is known, and is acceptable
+            what = "may slip more" if rule.verdict is Verdict.SLIPS else rule.verdict.lower()
+            remark = f"whether it {what} is not known: no {' and '.join(missing)}"
             unknown.append((rule, Verdict.UNKNOWN, remark))
         elif state is None and rule.verdict is Verdict.SKIDS:
             remark = f"whether {rule.condition} is not known"

@@ -192,7 +192,7 @@ def slip_row(dataset: "xr.Dataset", slip: float, status: str, *, known: int, wit
     """
     if math.isnan(slip):
         return Row(key="cage_slip", label="cage slip", text="not found", note=status, rank=known)
-    band = None
+    band = None if slip else (0.0, 0.0)  # no data slow down a cage that no drag brakes
     note = ""
     driven = "driven: it runs ahead of pure rolling" if slip < -_MIN_DRIVEN_SLIP else ""
     stored = json.loads(dataset.attrs.get("band", "{}")).get("steady_slip")
