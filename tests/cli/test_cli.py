@@ -595,6 +595,18 @@ def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_ha
     assert f"Data quality, A printed to D estimated: {told}." in report
 
 
+def test_an_option_that_takes_a_list_may_be_given_twice():
+    context = click.Context(cli)
+    lists = {
+        (name, option.name): option.multiple
+        for name in cli.list_commands(context)
+        for option in cli.get_command(context, name).params
+        if isinstance(option, click.Option) and "," in (option.metavar or "")
+    }
+    assert ("run", "formats") in lists
+    assert [option for option, is_multiple in lists.items() if not is_multiple] == []
+
+
 def test_help_lists_every_command_once_in_a_group_with_an_example_and_whole_sentences():
     text = CliRunner().invoke(cli, ["--help"]).output
     names = re.findall(r"^  ([a-z]+)  ", text.partition("\n\nWill it skid")[2], re.MULTILINE)

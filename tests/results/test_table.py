@@ -106,6 +106,8 @@ def test_the_command_writes_tables_and_no_plots_unless_asked(tmp_path):
             "models.traction=muraki",
             "--format",
             "csv,xlsx",
+            "--format",
+            "csv",
             "--out",
             f"{tmp_path}/out",
         ],

@@ -141,8 +141,11 @@ def engine_options(command: Any) -> Any:
     return with_engine
 
 
-def _formats(context: click.Context, option: click.Parameter, text: str) -> tuple[str, ...]:
-    """Return the formats of --format."""
+def _formats(
+    context: click.Context, option: click.Parameter, texts: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return the formats of all --format."""
+    text = ",".join(texts)
     names = tuple(dict.fromkeys(filter(None, (name.strip().lower() for name in text.split(",")))))
     if not names or set(names) - FORMATS - TABLES:
         known = ", ".join(sorted(FORMATS | TABLES))
@@ -185,7 +188,8 @@ def results_options(
         "report": click.option("--report", is_flag=True, help="Write a report in HTML too."),
         "no_plots": click.option("--no-plots", is_flag=True, help=plots),
         "formats": click.option(
-            "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
+            "--format", "formats", metavar="NAME,NAME", multiple=True, default=("svg",), show_default=True,
+            callback=_formats,
             help="Files of the plots: svg, pdf, png; of a table: csv, xlsx; svg,csv for both.",
         ),
     }  # fmt: skip

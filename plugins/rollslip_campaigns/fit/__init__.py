@@ -53,6 +53,7 @@ class FitSettings(Campaign):
         "What to fit, separated by commas.",
         default=attrs.NOTHING,
         metavar="NAME,NAME",
+        repeatable=True,
         details='Values and factors of the oil ("eyring_stress", "pressure_viscosity", "viscosity_factor") and '
         'parameters of the traction model ("flash", "hydrodynamic.flash"). They start from the values of the rig file.',
     )

@@ -26,6 +26,7 @@ from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import OilTable
 from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
+from rollslip.planning.campaign import listed
 from rollslip.scene.values import ModelChoice
 from rollslip.search import Array
 from rollslip.structure import Location, raise_problem_if, raise_problems
@@ -393,7 +394,7 @@ def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Pa
         Names, or one text with commas between them.
     """
     known = {parameter.name: parameter for parameter in _fittable(problem)}
-    names = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
+    names = listed(names)
     chosen = [known[name] for name in names if name in known]
     faults = [*_without_start(problem, names, known)]
     if not names:

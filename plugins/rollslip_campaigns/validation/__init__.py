@@ -48,13 +48,22 @@ class ValidationSettings(Campaign):
         "", default=(), argument="[DATA]...", repeatable=True, positional=True, details=_DATA
     )
     traction: Names = setting(
-        "Traction models beside those of the data sets' scenes.", default="", metavar="A,B"
+        "Traction models beside those of the data sets' scenes.",
+        default=(),
+        metavar="A,B",
+        repeatable=True,
     )
     film: Names = setting(
-        "Film models beside those of the data sets' scenes.", default="", metavar="A,B"
+        "Film models beside those of the data sets' scenes.",
+        default=(),
+        metavar="A,B",
+        repeatable=True,
     )
     contact: Names = setting(
-        "Contact models beside those of the data sets' scenes.", default="", metavar="A,B"
+        "Contact models beside those of the data sets' scenes.",
+        default=(),
+        metavar="A,B",
+        repeatable=True,
     )
     predictions: Sequence[Any] = setting(
         _PREDICTIONS, default=(), value_type=Path, metavar="FILE.csv", repeatable=True
@@ -132,11 +141,16 @@ class RankingSettings(Campaign):
         positional=True,
         details=_DATA,
     )
-    traction: Names = setting("Traction laws.", default="", metavar="A,B")
-    film: Names = setting("Film laws; all combinations are ranked.", default="", metavar="A,B")
-    contact: Names = setting("Contact laws.", default="", metavar="A,B")
+    traction: Names = setting("Traction laws.", default=(), metavar="A,B", repeatable=True)
+    film: Names = setting(
+        "Film laws; all combinations are ranked.", default=(), metavar="A,B", repeatable=True
+    )
+    contact: Names = setting("Contact laws.", default=(), metavar="A,B", repeatable=True)
     parameters: Names = setting(
-        "Parameters that are fitted to friction of rigs.", default="", metavar="NAME,NAME"
+        "Parameters that are fitted to friction of rigs.",
+        default=(),
+        metavar="NAME,NAME",
+        repeatable=True,
     )
     predictions: Sequence[Any] = setting(
         _PREDICTIONS, default=(), value_type=Path, metavar="FILE.csv", repeatable=True
