@@ -124,6 +124,7 @@ def test_an_oil_of_a_package_with_unusual_data_or_constants_of_no_law_is_a_warni
     }
     assert found["oil odd"].found.endswith(
         "'5 MPa'?; nobody is of no law that is installed; flush is of no law that is installed; "
+        "did you mean 'flash'?; "
         "muraki.flash: must be above 0, not -1"
     )
 

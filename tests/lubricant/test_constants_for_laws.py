@@ -8,6 +8,7 @@ from rollslip import evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import add
 from rollslip.errors import SceneError
+from rollslip.planning.plausibility import implausible
 
 PAPER = evolve(
     load_scene("1032930-70C"),
@@ -41,11 +42,16 @@ def test_an_oil_of_a_package_brings_them_and_a_scene_changes_some():
     oil = attrs.evolve(
         get_model("lubricant", "mil-prf-7808"),
         name="offered",
-        models={"muraki": {"flash": 0.5}, "elsewhere": {"x": 1}},
+        models={"muraki": {"flash": 0.5}, "murakii": {"flash": 1}},
     )
     with registrations_rolled_back():
         add("lubricant", oil)
         offered = evolve(PAPER, {"lubricant.name": "offered"})
+        warnings = [text for text in implausible(offered) if "constants of 'offered'" in text]
+        assert warnings == [
+            "changes: lubricant.name: constants of 'offered': murakii is of no law that is installed; did you mean "
+            "'muraki'?"
+        ]
         assert assemble(offered).traction.hydrodynamic.flash == 0.5
         changed = assemble(
             evolve(offered, {"lubricant.models": {"lambda-blend": {"exponent": 3.0}}})
@@ -61,7 +67,7 @@ def test_an_oil_of_a_package_brings_them_and_a_scene_changes_some():
     [
         (
             {"muraky": {"flash": 0.5}},
-            r"lubricant\.models\.muraky: no law of a contact is called so; did you mean muraki",
+            r"lubricant\.models\.muraky: no law of a contact is called so; did you mean 'muraki'",
         ),
         (
             {"muraki": {"flush": 0.5}},

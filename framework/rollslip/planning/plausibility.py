@@ -25,6 +25,7 @@ from rollslip.lubricant.base_oil import HIGHEST_INDEX, LOWEST_INDEX
 from rollslip.lubricant.table import OilTable, deviation_of, index_of, unusual_properties
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.clearance import unused_keys
+from rollslip.scene.oil import faulty_constants
 from rollslip.scene.relations import RELATIONS
 from rollslip.scene.rings import ring_flexibility, rings_of
 from rollslip.scene.values import Scene, model_kind
@@ -149,6 +150,8 @@ def _named_oil(present: Mapping[str, Any], where: Location) -> Iterator[tuple[Lo
         for key, text in unusual_properties(oil).items():
             if key not in present:
                 yield where.at("name"), f"{key} of {oil.name!r}: {text}"
+        for text in faulty_constants(oil) if oil.models else ():
+            yield where.at("name"), f"constants of {oil.name!r}: {text}"
 
 
 def _clearance(

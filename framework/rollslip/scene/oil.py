@@ -1,14 +1,14 @@
 """Compare the oil of a scene with the laws: properties that laws read and it lacks, and constants that no law reads."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Set
 from functools import lru_cache
 from typing import Any, Final
 
 import attrs
 
 from rollslip.catalogue.registry import available, get_class
-from rollslip.errors import nearest
+from rollslip.errors import did_you_mean, nearest
 from rollslip.fields import submodels
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import without_slope
@@ -58,9 +58,8 @@ def unused_constants(scene: Scene, models: Mapping[str, Any], where: Location) -
                     where.at(name).message(f"no law of this scene has such a parameter: {used}")
                 )
         elif name not in known:
-            similar = " or ".join(nearest(name, known))
-            hint = f"; did you mean {similar}?" if similar else ""
-            messages.append(where.at(name).message(f"no law of a contact is called so{hint}"))
+            unknown = f"no law of a contact is called so{_hint(name, known)}"
+            messages.append(where.at(name).message(unknown))
     return messages
 
 
@@ -75,14 +74,21 @@ def faulty_constants(oil: Lubricant) -> list[str]:
         The oil.
     """
     classes = {name: get_class(kind, name) for kind in CONTACT_KINDS for name in available(kind)}
-    laws = {name: attrs.fields_dict(cls).keys() for name, cls in classes.items()}
-    every = set().union(*laws.values())
+    laws: dict[str, Set[str]] = {
+        name: attrs.fields_dict(cls).keys() for name, cls in classes.items()
+    }
+    every = set[str]().union(*laws.values())
     tables = {law: table for law, table in oil.models.items() if isinstance(table, Mapping)}
-    unknown = [key for key in oil.models if key not in (laws if key in tables else every)]
-    unknown += [
-        f"{law}.{key}"
-        for law, table in tables.items()
-        for key in table.keys() - laws.get(law, table.keys())
+    choices: dict[str, Collection[str]] = {
+        key: laws if key in tables else every for key in oil.models
+    }
+    choices |= {
+        f"{law}.{key}": laws.get(law, table) for law, table in tables.items() for key in table
+    }
+    unknown = [
+        f"{key} is of no law that is installed" + _hint(name, choices[key])
+        for key in choices
+        if (name := key.rpartition(".")[2]) not in choices[key]
     ]
     problems = _unknown_scatter(oil, {"": attrs.fields_dict(OilTable).keys(), **laws})
     for name, cls in classes.items():
@@ -90,7 +96,13 @@ def faulty_constants(oil: Lubricant) -> list[str]:
         if constants and constants.keys() <= laws[name]:
             structure(cls, constants, Location({}, (name,)), problems)
     refused = [text for text in problems if ": missing, but required" not in text]
-    return [f"{key} is of no law that is installed" for key in unknown] + refused
+    return unknown + refused
+
+
+def _hint(name: str, known: Collection[str]) -> str:
+    """Return the clause with the known names that are similar to a name; empty without one."""
+    similar = did_you_mean(nearest(name, known), "")
+    return similar and f"; {similar}"
 
 
 def _unknown_scatter(oil: Lubricant, known: Mapping[str, Collection[str]]) -> list[str]:
