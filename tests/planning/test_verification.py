@@ -134,6 +134,17 @@ def test_an_error_that_may_be_small_by_chance_is_compared_with_a_second_referenc
     assert len(found) == references
 
 
+def test_a_curve_that_is_compared_by_its_values_has_no_error_of_its_own():
+    """Friction differs by a tenth, and its maximum lies at a slip of 0.5 in place of 0.4."""
+    run = comparison(Resolution(n_positions=4))
+    fine = np.array([[1.0, 1.0]]), np.array([0.5])
+    coarse = 1.1 * fine[0], np.array([0.4])
+    errors = {"friction": pytest.approx(0.1), "critical_slip": pytest.approx(0.2)}
+    assert run.errors_of(coarse, fine) == errors
+    run.study.compared_as_values = frozenset({"critical_slip"})
+    assert run.errors_of(coarse, fine) == {"friction": errors["friction"]}
+
+
 def test_a_run_on_one_position_has_no_coarser_one(monkeypatch):
     """Three positions are its reference; half of one position is no other run, and the order is assumed."""
     numbers = []
