@@ -535,8 +535,10 @@ def test_a_compliance_matrix_with_a_mass_has_the_frequencies_of_the_ring_that_it
 
 # What symmetry says ---------------------------------------------------------------------------------------------------
 
+#: To a picometre: without load forces of waves below 1e-150 m, whose squares underflow, find no balance.
+amplitudes = st.floats(0.0, 4e-5).map(lambda amplitude: round(amplitude, 12))
 lobed = st.lists(
-    st.tuples(st.integers(2, 6), st.floats(0.0, 4e-5), st.floats(-3.0, 3.0)), min_size=1, max_size=3
+    st.tuples(st.integers(2, 6), amplitudes, st.floats(-3.0, 3.0)), min_size=1, max_size=3
 )
 
 
