@@ -123,8 +123,9 @@ def test_its_figure_has_both_limits_and_the_operation(found):
 def test_its_answer_table_and_record_have_every_point(found):
     assert len(answer(found).table) == 4
     head, rows = sheet(found)
-    assert head[:3] == ["operation.inner_speed [rpm]", "minimum_load [N]", "largest_load [kN]"]
+    assert head[:3] == ["operation.inner_speed [rpm]", "minimum_load [kN]", "largest_load [kN]"]
     assert len(rows) == 3
+    assert rows[0][1] == pytest.approx(1e-3 * float(found["minimum_load"][0]))
     record = account_of(found).record(found)
     assert [point["minimum_load"] for point in record["points"]] == found[
         "minimum_load"

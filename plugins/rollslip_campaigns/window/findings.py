@@ -10,7 +10,7 @@ from rollslip.results.curves import or_none
 from rollslip.results.dataset import rows_along, xr
 from rollslip.results.table import point_rows
 from rollslip.results.text import percent, short_label
-from rollslip.units import format_quantity
+from rollslip.units import format_quantity, shown_unit
 from rollslip_campaigns.sweep.findings import answer_table, point_table
 
 __all__ = ["WindowAccount", "describe_window"]
@@ -77,12 +77,22 @@ class WindowAccount(Account):
     def sheets(self, dataset: "xr.Dataset") -> dict[str, SpreadsheetRows]:
         """Return a row for each value: both loads, what limits the larger one, and their statuses."""
         columns = _columns(dataset)
-        others = [name for name in dataset.data_vars if name not in columns]
-        return {"": point_rows(dataset[[*columns, *others]])}
+        others = [str(name) for name in dataset.data_vars if name not in columns]
+        return {"": _rows(dataset, [*columns, *others])}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table with a row for each value, or none if it would be too long."""
-        return point_table(point_rows(dataset[_columns(dataset)]), [dataset["varied"].attrs["key"]])
+        return point_table(_rows(dataset, _columns(dataset)), [dataset["varied"].attrs["key"]])
+
+
+def _rows(dataset: "xr.Dataset", names: list[str]) -> SpreadsheetRows:
+    """Return head and rows of variables, with all loads in the unit of the largest one."""
+    loads = [dataset[name] for name in _columns(dataset) if name.startswith(_LOADS)]
+    largest = max(float(np.nan_to_num(load, posinf=0.0).max()) for load in loads)
+    unit = shown_unit(largest, "N")
+    return point_rows(
+        dataset.assign({load.name: load.assign_attrs(given=unit) for load in loads})[names]
+    )
 
 
 def _columns(dataset: "xr.Dataset") -> list[str]:
