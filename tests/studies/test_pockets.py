@@ -25,6 +25,7 @@ from rollslip_studies.motion.pockets import BalanceWithPlay, Pockets, steady_sli
 from rollslip_studies.steady_slip import play as play_answers
 from rollslip_studies.steady_slip.evaluated import slip_with_play, without_play
 from rollslip_studies.steady_slip.figures import _pocket_figure
+from rollslip_studies.steady_slip.minimum_load import load_from_known
 from rollslip_studies.steady_slip.outputs import PLAY_OUTPUTS
 from rollslip_studies.steady_slip.play import Play
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -648,8 +649,23 @@ def test_a_minimum_load_that_is_not_found_with_play_says_so(results, monkeypatch
     found = study.completed(assembly, usual)
     assert float(found["minimum_load"]) == float(usual["minimum_load"])
     assert found["minimum_load_status"].item() == "found, without play in the pockets"
-    assert "found, without" not in str(account_of(found).answer(found).rows)
+    rows = {row.key: row for row in account_of(found).answer(found).rows}
+    assert rows["minimum_load"].note.endswith("below 5 %, without play in the pockets")
     assert ", without play in the pockets" in account_of(found).topics(found)["minimum load"][0]
+
+
+@pytest.mark.parametrize(("jump", "is_found"), [(0.005, True), (0.05, False)])
+def test_a_minimum_load_where_tables_of_friction_jump_is_known_to_its_bracket(jump, is_found):
+    """Torque over drag is the square of the load over 1370 N, a little less before that load and more from it on."""
+
+    def balance(load):
+        torque = (load / 1370.0) ** 2 * (1.0 + math.copysign(jump, load - 1370.0))
+        return SimpleNamespace(
+            torques=lambda slips: np.full(slips.size, torque), drag=lambda slip: -1.0
+        )
+
+    load = load_from_known(balance, 1322.0, [0.02, 0.05], 0.05)
+    assert load == pytest.approx(1370.0 if is_found else math.nan, rel=1e-3, nan_ok=True)
 
 
 def test_rollers_set_in_the_cage_are_left_as_they_are():

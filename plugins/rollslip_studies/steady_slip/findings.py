@@ -32,6 +32,7 @@ from rollslip_studies.steady_slip.friction_torque.findings import (
     torque_row,
 )
 from rollslip_studies.steady_slip.play_findings import (
+    WITHOUT_PLAY,
     assumed_without_play,
     describe_play,
     describe_pockets,
@@ -282,6 +283,8 @@ def _minimum_load_row(
         return Row(**row, value=minimum, text=text, note=note, band=(0.0, weight))
     if outcome is Status.FOUND_AT_SKIDDING:
         condition += "; with less it skids"
+    if status.endswith(WITHOUT_PLAY):
+        condition += f", {WITHOUT_PLAY}"
     stored = json.loads(dataset.attrs.get("band", "{}")).get("minimum_load")
     lower = minimum if stored is None else stored["low"]
     reference = load if lower >= _MIN_SHARED_UNIT_FRACTION * load else lower

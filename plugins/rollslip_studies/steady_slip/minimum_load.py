@@ -156,7 +156,10 @@ def load_from_known(
     slips: Sequence[float],
     slip: float,
 ) -> float:
-    """Return the minimum radial load [N] near a known one, of a similar balance; NaN where secants fail.
+    """Return the minimum radial load [N] near a known one, of a similar balance; NaN where it is not found.
+
+    Tables of friction change from load to load, so that the excess torque jumps by about their error. Secants do not
+    converge across a jump through zero: the load is known there as soon as it is bracketed.
 
     Parameters
     ----------
@@ -169,13 +172,20 @@ def load_from_known(
     slip : float
         Acceptable cage slip [-].
     """
+    found = dict[float, float]()
 
     def excess(log: float) -> float:
-        return largest_excess(balance(math.exp(log)), slips, slip)[1]
+        found[log] = largest_excess(balance(math.exp(log)), slips, slip)[1]
+        return found[log]
 
     start = math.log(known)
     drag = -balance(known).drag(slip)
-    return _load_by_secants(excess, start, excess(start), drag, _SIMILAR_LOAD_TOLERANCE)
+    load = _load_by_secants(excess, start, excess(start), drag, _SIMILAR_LOAD_TOLERANCE)
+    low = max((log for log, over in found.items() if over < 0.0), default=-math.inf)
+    high = min((log for log, over in found.items() if over >= 0.0), default=math.inf)
+    if math.isnan(load) and 0.0 < high - low <= _SIMILAR_LOAD_TOLERANCE:
+        return math.exp(0.5 * (low + high))
+    return load
 
 
 def largest_excess(

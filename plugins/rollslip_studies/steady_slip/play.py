@@ -31,6 +31,7 @@ from rollslip_studies.motion.pockets import (
 from rollslip_studies.motion.torque_balance import TorqueBalance, acceptable_reserve, largest_ratio
 from rollslip_studies.steady_slip.minimum_load import load_from_known
 from rollslip_studies.steady_slip.outputs import OUTPUTS
+from rollslip_studies.steady_slip.play_findings import WITHOUT_PLAY
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -319,4 +320,4 @@ class Play:
                 dims, load, own = OUTPUTS["minimum_load"].variable(load)
                 return {"minimum_load": (dims, load, {**attributes, **own})}
         output = OUTPUTS["minimum_load_status"]
-        return {"minimum_load_status": output.variable(f"{status}, without play in the pockets")}
+        return {"minimum_load_status": output.variable(f"{status}, {WITHOUT_PLAY}")}

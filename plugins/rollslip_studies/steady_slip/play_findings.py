@@ -1,10 +1,14 @@
 """Rows and sentences on the play of rollers: in the pockets of a cage, and in a set of rollers without a cage."""
 
 import math
+from typing import Final
 
 from rollslip.results.dataset import xr
 from rollslip.results.text import Status, percent, precise_percent
 from rollslip.units import format_quantity
+
+#: Words on a value that is not known for rollers with play.
+WITHOUT_PLAY: Final = "without play in the pockets"
 
 
 def play_note(slip: float, without: float, status: str) -> str:
@@ -33,7 +37,7 @@ def steady_play_note(dataset: "xr.Dataset", slip_name: str) -> str:
         Name of the slip.
     """
     if "play_status" not in dataset:
-        return "without play in the pockets"
+        return WITHOUT_PLAY
     without = float(dataset["slip_without_play"])
     return play_note(float(dataset[slip_name]), without, str(dataset["play_status"].item()))
 
