@@ -402,6 +402,20 @@ def test_rollers_that_friction_stops_within_a_step_are_not_thrown_back(values, i
     assert found_by_study(balance, slip).slip == pytest.approx(in_time, rel=0.08)
 
 
+def test_stiff_friction_at_a_bar_has_the_torque_of_eight_times_as_many_steps():
+    """Smooth surfaces on a film that hardly parts them: one iteration a step lost up to a seventh of the torque."""
+    changes = {
+        "lubricant": {"base_oil": "pao", "iso_grade": "VG 10"},
+        "surface.inner_raceway_roughness": "0.034 um",
+        "surface.roller_roughness": "0.034 um",
+    }
+    scene = new("NK90/35", speed="1437 rpm", load="11.7 kN", temperature="97 degC")
+    assembly = assemble(evolve(scene, changes)).with_resistance()
+    slips = np.linspace(0.04, 0.08, 24)[13:19]
+    few, many = (Pockets(assembly, steps=steps).march(slips).torque for steps in (2000, 16000))
+    np.testing.assert_allclose(few, many, rtol=3e-3)
+
+
 def test_the_orbit_is_closed_and_is_that_of_the_march(bearing):
     _, balance, slip = bearing
     pockets = Pockets(balance.assembly)

@@ -8,10 +8,12 @@ middle of the pocket.  Signs and torques are those of ``carried.pyx``, but G wit
 P = 0 between the bars.  A roller at a bar has w = w_c and R_m P = H while H presses it there.  A bar that a roller
 meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the pocket.
 
-- The steps are those of the linearly implicit Euler method, in s and w between the bars, in s alone at a bar.  They are
-  stable where a contact is stiff.  Slopes of traction below zero are left to the explicit part.
-- A step in which a roller meets a bar is divided there.  So is a step after which a contact would slide the other way:
-  large friction stops the sliding within a part of it, and over a whole step would throw the roller back.
+- The steps are those of the linearly implicit Euler method in s and w between the bars, and of the implicit one in s
+  alone at a bar, by Newton's method with bisection.  They are stable where a contact is stiff.  Slopes of traction
+  below zero are left to the explicit part.
+- A step in which a roller meets a bar is divided there.  So is one between the bars after which a contact would slide
+  the other way: large friction stops the sliding within a part of it, and over a whole step would throw the roller
+  back.
 - The position changes by the mean of the speeds at both ends of a step, so that a roller under a constant torque comes
   back to a bar at the speed at which it left.
 - The mean of H is that of the change of momentum which it causes, so that it equals the mean of R_m P of a closed orbit
@@ -24,7 +26,8 @@ meets stops it at once, without rebound.  M = mu_p |P| r is the friction in the 
 import numpy as np
 
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport M_PI, NAN, copysign, fabs, floor, fmax, fmin, log, sqrt
+from libc.math cimport INFINITY, M_PI, NAN, copysign, fabs, floor, fmax, fmin, log, sqrt
+from libc.string cimport memcpy, memset
 
 from bearing_h cimport *
 from rollslip_raceway cimport rs_box_reaches, rs_film_speed
@@ -33,6 +36,7 @@ from rollslip_ribs cimport rs_rib_force, rs_rib_weights, rs_ribs
 cdef enum:
     N_RINGS = 2
     N_COLUMNS = 7    # of `rs_linear_friction`
+    MAX_ITERATIONS = 60   # of the spin at a bar.  Bisection of the largest interval needs fewer; two or three are usual
     MAX_PARTS = 20   # of a step.  With 10 slips of four bearings change by up to 3.3e-4, with 5 by 4.9e-4; chosen
 
 # Sliding speed of a contact after a step, relative to that of rolling, from which on a change of its sign divides the
@@ -42,11 +46,12 @@ cdef double MAX_REVERSED_SLIDING = 1e-3
 # less than 1e-6; chosen, so that steps do not vanish.
 cdef double MIN_PART = 1e-3
 
+# Change of the spin at a bar, relative to it, at which an iteration ends.  With one iteration friction that is stiff
+# passes the balance of torques again and again, and torques of rollers in boundary friction are off by up to 15 %.
+cdef double SPIN_TOLERANCE = 1e-7
+
 cdef enum:   # columns of the record of a turn
-    TURN
-    POSITION
-    TORQUE
-    N_RECORDED
+    TURN, POSITION, TORQUE, N_RECORDED
 
 cdef enum:   # sums over a turn
     DRIVE
@@ -111,15 +116,10 @@ cdef struct roller_t:
 cdef int _contact(rs_raceway *raceway, double force, double sliding, double rolling, contact_t *contact) noexcept nogil:
     """Find the friction of a contact by the table of its raceway; 1 where the contact lies outside."""
     cdef double[N_COLUMNS] column
-    cdef rs_linear_friction linear
+    cdef rs_linear_friction linear = rs_linear_friction(
+        &column[0], &column[1], &column[2], &column[3], &column[4], &column[5], &column[6], 0, 0
+    )
     cdef double resistance = 0.0
-    linear.by_force = &column[0]
-    linear.by_root = &column[1]
-    linear.force_slope = &column[2]
-    linear.root_slope = &column[3]
-    linear.sliding = &column[4]
-    linear.resistance = &column[5]
-    linear.resistance_slope = &column[6]
     if not rs_box_reaches(raceway, &linear, &force, &sliding, &rolling, &contact.traction, &resistance):
         return 1
     contact.slope = fmax(rs_friction_slope(&linear, force, 0), 0.0)
@@ -149,8 +149,7 @@ cdef int _torques(
     cdef double part = place - <double>k
     cdef double inner_force = loads.inner[k] + part * (loads.inner[k + 1] - loads.inner[k])
     cdef double outer_force = loads.outer[k] + part * (loads.outer[k + 1] - loads.outer[k])
-    cdef double[N_RINGS] sliding
-    cdef double[N_RINGS] rolling
+    cdef double[N_RINGS] sliding, rolling
     cdef double r = g.roller_radius
     cdef double inner_arm = g.inner_radius + r
     cdef double outer_arm = g.outer_radius - r
@@ -213,17 +212,32 @@ cdef double _moment(const geometry_t *g, double cage_speed, double torque, const
     return copysign(size, roller.spin + cage_speed)
 
 
-cdef void _step_at_bar(
-    const geometry_t *g, double cage_speed, double dt, const torques_t *t, roller_t *roller, double *sums
+cdef int _step_at_bar(
+    const geometry_t *g, rs_raceway *raceways, const loads_t *loads, double turn, double dt, torques_t *t,
+    roller_t *roller, double *sums
 ) noexcept nogil:
-    """Advance the spin of a roller at a bar."""
-    cdef double moment = _moment(g, cage_speed, t.orbit, roller)
-    cdef double change = dt * (t.spin - moment) / (g.spin_inertia - dt * t.spin_spin)
-    cdef double torque = t.orbit + t.mixed * change
-    roller.spin += change
-    sums[DRIVE] += dt * torque
-    sums[PUSH] += dt * torque
+    """Advance the spin of a roller at a bar, by Newton's method with bisection; 1 as `_torques`."""
+    cdef double start = roller.spin
+    cdef double low = -INFINITY, high = INFINITY
+    cdef double moment, excess, change
+    cdef int _
+    for _ in range(MAX_ITERATIONS):
+        moment = _moment(g, loads.speed, t.orbit, roller)
+        excess = g.spin_inertia * (roller.spin - start) - dt * (t.spin - moment)
+        low = roller.spin if excess < 0.0 else low
+        high = high if excess < 0.0 else roller.spin
+        change = -excess / (g.spin_inertia - dt * t.spin_spin)
+        if not low <= roller.spin + change <= high:
+            change = 0.5 * (low + high) - roller.spin
+        roller.spin += change
+        if fabs(change) <= SPIN_TOLERANCE * fabs(start):
+            break
+        if _torques(g, raceways, loads, turn, roller, t):
+            return 1
+    sums[DRIVE] += dt * t.orbit
+    sums[PUSH] += dt * t.orbit
     sums[FRICTION] += dt * moment
+    return 0
 
 
 cdef roller_t _free_step(
@@ -272,23 +286,9 @@ cdef double _step_between_bars(
     return dt
 
 
-cdef int _step(
-    const geometry_t *g, double cage_speed, double *dt, bint shortened, const torques_t *t, roller_t *roller,
-    double *sums
-) noexcept nogil:
-    """Advance a roller by a time, which is shortened to that of a bar that it meets; what the roller does, a sum."""
-    if roller.bar * t.orbit > 0.0:
-        _step_at_bar(g, cage_speed, dt[0], t, roller, sums)
-        return DRIVING if roller.bar * copysign(1.0, cage_speed) > 0.0 else PUSHED
-    dt[0] = _step_between_bars(g, cage_speed, dt[0], shortened, t, roller, sums)
-    return CROSSING
-
-
 cdef double _part_before_reversal(const geometry_t *g, const roller_t *start, const roller_t *end) noexcept nogil:
     """Return the fraction of a step at whose end the first contact that would slide the other way does not slide."""
-    cdef double[N_RINGS] before
-    cdef double[N_RINGS] after
-    cdef double[N_RINGS] rolling
+    cdef double[N_RINGS] before, after, rolling
     cdef double part = 1.0
     cdef int ring
     _sliding(g, start, before, rolling)
@@ -311,8 +311,7 @@ cdef int _turn(
     cdef double[N_SUMS] sums_before
     cdef roller_t before
     cdef int k, n, part
-    for n in range(N_SUMS):
-        sums[n] = 0.0
+    memset(sums, 0, sizeof(sums_before))
     for k in range(steps):
         rest = step
         push = sums[PUSH]
@@ -321,18 +320,21 @@ cdef int _turn(
             turn += 0.5 * roller.position / (M_PI * g.orbit_radius)
             if _torques(g, raceways, loads, turn, roller, &torques):
                 return 1
-            before = roller[0]
-            for n in range(N_SUMS):
-                sums_before[n] = sums[n]
             dt = rest
-            n = _step(g, loads.speed, &dt, part < MAX_PARTS - 1, &torques, roller, sums)
-            fraction = _part_before_reversal(g, &before, roller)
-            if fraction < 1.0 and part < MAX_PARTS - 1:
-                dt = fraction * rest
-                roller[0] = before
-                for n in range(N_SUMS):
-                    sums[n] = sums_before[n]
-                n = _step(g, loads.speed, &dt, True, &torques, roller, sums)
+            if roller.bar * torques.orbit > 0.0:
+                n = DRIVING if roller.bar * sense > 0.0 else PUSHED
+                if _step_at_bar(g, raceways, loads, turn, dt, &torques, roller, sums):
+                    return 1
+            else:
+                n = CROSSING
+                before = roller[0]
+                memcpy(&sums_before[0], sums, sizeof(sums_before))
+                dt = _step_between_bars(g, loads.speed, dt, part < MAX_PARTS - 1, &torques, roller, sums)
+                fraction = _part_before_reversal(g, &before, roller)
+                if fraction < 1.0 and part < MAX_PARTS - 1:
+                    roller[0] = before
+                    memcpy(sums, &sums_before[0], sizeof(sums_before))
+                    dt = _step_between_bars(g, loads.speed, fraction * rest, True, &torques, roller, sums)
             sums[n] += dt
             rest -= dt
             if rest <= 0.0:
@@ -436,6 +438,5 @@ def march(
             status = _march(&g, raceways, &loads, steps, max_turns, tolerance, &sums[n, 0], turn)
         if status > 0:
             sums[n, :] = NAN
-        if status < 0:
-            is_periodic[n] = 0.0
+        is_periodic[n] = status >= 0
     return means, repeats
