@@ -34,6 +34,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError
 from rollslip.planning.plan import plan
+from rollslip.results.text import Status
 
 STUDY = "steady-slip"
 #: Time of the processor for a default run, and for a finer one [s]; of a run that is called slow.
@@ -80,13 +81,20 @@ SUMMARY = Path(__file__).parents[2] / "docs" / "tables" / "varied_scenes.csv"
 def numbers(result):
     """Numbers of a result; those with play beside those of rollers that are set in the cage."""
     found = accuracy.numbers(result)
+    weight = float(result.attrs["rollers_weight"])
+    if str(result["minimum_load_status"].item()).startswith(
+        (Status.NO_LOAD_NEEDED, Status.ANY_LOAD)
+    ):
+        found["minimum load"] = weight  # as one that is less than that
     if "slip_without_play" not in result:
         return found
     for name, (variable, low) in WITH_PLAY.items():
         value = float(
             result[variable].min() if "steady" in result[variable].dims else result[variable]
         )
-        low = float(result.attrs["rollers_weight"]) if low is None else low
+        low = weight if low is None else low
+        if name == "minimum load" and np.isnan(value):
+            value = found[name]
         if value >= -low:
             value = min(max(value, low), LARGEST.get(name, np.inf))
         found[f"{name}, play"] = value
