@@ -32,7 +32,7 @@ from rollslip_campaigns.sweep.figures import describe_models, sweep_figures
 from rollslip_campaigns.sweep.findings import SweepAccount
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
 from rollslip_campaigns.sweep.run import Progress, SweepOutcome
-from rollslip_campaigns.uncertainty import UncertaintySettings, estimators
+from rollslip_campaigns.uncertainty import UncertaintySettings, estimators, findings
 from rollslip_campaigns.uncertainty import plan as planning
 from rollslip_campaigns.uncertainty import run as running
 from rollslip_campaigns.uncertainty.findings import UncertaintyAccount
@@ -62,6 +62,12 @@ uncertain = functools.partial(scattered.uncertain, SCENE)
 
 #: An uncertain pressure viscosity, whose factor is drawn from a uniform distribution.
 ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2}}}
+
+
+def test_the_summary_of_slips_that_are_too_small_to_print_names_their_bound(monkeypatch):
+    monkeypatch.setattr(findings, "_quantile", lambda *_: (1e-5, 0.0, 0.0))
+    samples = xr.Dataset(coords={"quantity": [findings.STEADY]})
+    assert findings._summarise_slip(samples) == "95 % of the samples slip less than 0.1 %"
 
 
 @pytest.mark.parametrize(

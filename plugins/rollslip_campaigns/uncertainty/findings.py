@@ -333,7 +333,7 @@ def _summarise_slip(dataset: "xr.Dataset") -> str:
     counts = dataset.sel(quantity=STEADY)
     slip = _quantile(dataset, STEADY, 0.95)[0]
     if math.isfinite(slip):
-        return f"95 % of the samples slip less than {percent(slip)}"
+        return f"95 % of the samples slip less than {percent(slip).removeprefix('below ')}"
     if math.isnan(slip):
         return f"none of {int(counts['samples'])} samples has a steady slip"
     return f"the cage skids in {int(counts['beyond'])} of {int(counts['samples'])} samples"
