@@ -224,6 +224,24 @@ def test_no_number_of_an_answer_is_off_in_silence():
     assert [(one["off in silence"], one["not known"]) for one in told] == [("0", "0")] * 2
 
 
+#: Categories of tools/references/varied_scenes.py without a fault, and scenes whose slip with play errs.
+KEPT = ("kept", "stated", "refused", "not known in 60 s")
+SILENT = ("98", "122")
+
+
+def test_numbers_of_scenes_of_all_kinds_are_within_what_their_answers_say():
+    """The answers are those of tools/references/varied_scenes.py, as are the finer runs."""
+    rows = rows_of(REFERENCES / "varied_scenes.csv")
+    assert [int(row["scene"]) for row in rows] == list(range(len(rows)))
+    for row in rows:
+        assert row["category"] in KEPT or row["scene"] in SILENT, row
+        assert row["category"] != "kept" or float(row["off over allowed"]) <= 1.0
+        assert bool(row["words"]) == (row["category"] == "refused")
+    (every, *_) = rows_of(TABLES / "varied_scenes.csv")
+    assert int(every["scenes"]) == len(rows)
+    assert int(every["kept"]) == sum(row["category"] == "kept" for row in rows)
+
+
 #: Number of a scene of tools/references/accuracy_scenes.py, and what few slips say nothing of.
 HIDDEN = {69: "critical_slip", 587: "film parameter"}
 

@@ -63,9 +63,8 @@ def scene(k):
     tapered = base.bearing.contact_angle is not None
     mean = base.bearing.pitch_diameter
     speed = min(draw.decades(0.5, 15e3), FASTEST / mean)
-    radius = 0.5 * base.bearing.roller_diameter
-    area = base.bearing.rollers / 4.6 * base.bearing.roller_length * 2.0 * math.pi * radius
-    load = area * draw.decades(0.15e9, 2e9) ** 2 / 2.3e11
+    load = base.bearing.rollers / 4.6 * base.bearing.roller_length * 2.0 * math.pi
+    load = load * (0.5 * base.bearing.roller_diameter) * draw.decades(0.15e9, 2e9) ** 2 / 2.3e11
     turns = draw.one(1.0, 1.0, -1.0)
     outer = draw.even(-0.6, 0.7) if draw.chance(0.25) else 0.0
     changes = {
@@ -91,15 +90,16 @@ def _rings(draw, base):
     catalogue = base.bearing.catalogue
     changes = {}
     if draw.chance(0.3):
-        outside = catalogue.outside_diameter * draw.even(1.05, 1.6)
         changes["models.outer_ring"] = draw.one(
-            {"model": "annulus", "outside": outside},
+            {"model": "annulus", "outside": catalogue.outside_diameter * draw.even(1.05, 1.6)},
             {"model": "thin", "seat_stiffness": draw.one(0.0, 1e9, 1e11)},
             {"model": "thin", "seat_stiffness": 1e10, "fit_clearance": draw.decades(1e-6, 1e-4)},
         )
     if catalogue.bore is not None and draw.chance(0.15):
-        bore = catalogue.bore * draw.one(0.0, 0.5, 0.8)
-        changes["models.inner_ring"] = {"model": "annulus", "bore": bore}
+        changes["models.inner_ring"] = {
+            "model": "annulus",
+            "bore": catalogue.bore * draw.one(0.0, 0.5, 0.8),
+        }
     if draw.chance(0.25):
         wave = {
             "lobes": draw.one(2, 3, 4, 5, 7, 9),
@@ -144,16 +144,13 @@ def described(one):
         for ring in ("inner", "outer")
         if (model := getattr(one.models, f"{ring}_ring")) is not None
     ]
-    raceways = {"inner": b.inner_raceway, "outer": b.outer_raceway}
     forms = [
         f"{wave.lobes} lobes of {wave.amplitude * 1e6:.2g} um, {ring}"
-        for ring, raceway in raceways.items()
+        for ring, raceway in (("inner", b.inner_raceway), ("outer", b.outer_raceway))
         if raceway is not None
         for wave in raceway.form or ()
     ]
-    carrier = [f"carrier {o.carrier.speed * rpm:.3g} rpm"] if o.carrier else []
-    weight = ["weight"] if o.gravity_direction is not None else []
-    parts = [
+    return "; ".join([
         one.title.partition(" in ")[0],
         f"{o.inner_speed * rpm:.3g} and {o.outer_speed * rpm:.3g} rpm",
         f"{o.radial_load:.3g} N",
@@ -164,6 +161,7 @@ def described(one):
         one.lubricant.name or "own oil",
         one.lubrication.supply,
         f"pockets {one.study['steady-slip'].get('pockets')}",
-        *rings, *forms, *carrier, *weight,
-    ]  # fmt: skip
-    return "; ".join(parts)
+        *rings, *forms,
+        *([f"carrier {o.carrier.speed * rpm:.3g} rpm"] if o.carrier else []),
+        *["weight"] * (o.gravity_direction is not None),
+    ])  # fmt: skip
